@@ -1,0 +1,83 @@
+"""Isometries between tile polygons, found from their corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Isometry:
+    """x -> linear @ x + translation.
+
+    Attributes
+    ----------
+    linear : (2, 2) orthogonal.
+    translation : (2,) mm.
+    """
+
+    linear: FloatArray
+    translation: FloatArray
+
+    def apply(self, points: FloatArray) -> FloatArray:
+        """Images of points (n, 2), mm."""
+        return points @ self.linear.T + self.translation
+
+    @property
+    def reverses(self) -> bool:
+        """Whether it turns counterclockwise into clockwise."""
+        return bool(np.linalg.det(self.linear) < 0.0)
+
+
+def polygon_isometries(
+    source: FloatArray,
+    source_marks: BoolArray,
+    target: FloatArray,
+    target_marks: BoolArray,
+    tolerance: float,
+) -> list[Isometry]:
+    """All isometries that carry one polygon's corners, marks included, onto another's.
+
+    Parameters
+    ----------
+    source, target : (n, 2) and (m, 2) counterclockwise corners, mm.
+    source_marks, target_marks : (n,) and (m,) flags that an isometry must carry along.
+    tolerance : largest distance between a corner's image and its partner, mm.
+
+    Returns
+    -------
+    Orientation-preserving ones first; the identity leads when source and target are the same.
+    """
+    n = len(source)
+    if n != len(target):
+        return []
+    found = []
+    center, target_center = source.mean(axis=0), target.mean(axis=0)
+    arms = source - center
+    for reverses in (False, True):
+        order = np.arange(n)[::-1] if reverses else np.arange(n)
+        for shift in range(n):
+            partner = np.roll(order, -shift)
+            if not np.array_equal(source_marks, target_marks[partner]):
+                continue
+            linear = _fit_orthogonal(arms, target[partner] - target_center, reverses)
+            if np.abs(arms @ linear.T + target_center - target[partner]).max() <= tolerance:
+                found.append(Isometry(linear, target_center - linear @ center))
+    return found
+
+
+def _fit_orthogonal(arms: FloatArray, images: FloatArray, reverses: bool) -> FloatArray:
+    """Rotation (or reflection) that carries `arms` closest to `images`, in closed form."""
+    sign = -1.0 if reverses else 1.0
+    cosine = float(np.sum(arms[:, 0] * images[:, 0] + sign * arms[:, 1] * images[:, 1]))
+    sine = float(np.sum(arms[:, 0] * images[:, 1] - sign * arms[:, 1] * images[:, 0]))
+    norm = np.hypot(cosine, sine)
+    if norm == 0.0:
+        return np.eye(2)
+    cosine, sine = cosine / norm, sine / norm
+    return np.array([[cosine, -sign * sine], [sine, sign * cosine]])

@@ -1,0 +1,70 @@
+"""Sizes of elements, the only knobs of the mesher."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from flexscale.errors import MeshError
+from flexscale.units import require_positive
+
+
+@dataclass(frozen=True)
+class MeshOptions:
+    """Element sizes of a periodic mesh.
+
+    Attributes
+    ----------
+    across : elements across the whole gap, even: each tile owns half a gap.
+    along : mm, largest element along the gap.
+    corner : mm, size along the gap at tiling vertices.
+    growth : ratio of neighboring sizes along the gap, away from the vertices, at least 1.
+    across_grading : ratio of neighboring sizes across the gap, away from the scale outline.
+    scale_size : mm, size of the triangles of a scale's base.
+    scale_layers : layers of tets over the height of a scale.
+    """
+
+    across: int = 2
+    along: float = 1.0
+    corner: float = 0.2
+    growth: float = 1.6
+    across_grading: float = 1.0
+    scale_size: float = 2.0
+    scale_layers: int = 2
+
+    def __post_init__(self) -> None:
+        for name in ("along", "corner", "scale_size"):
+            require_positive(getattr(self, name), f"mesh option {name}", "mm")
+        require_positive(self.across_grading, "mesh option across_grading", "1")
+        require_positive(self.growth, "mesh option growth", "1")
+        if self.growth < 1.0:
+            raise MeshError(
+                f"Mesh option growth is {self.growth:g}, but sizes grow away from the tiling "
+                "vertices: give at least 1."
+            )
+        if int(self.across) != self.across or self.across < 2 or self.across % 2:
+            raise MeshError(
+                f"Mesh option across is {self.across}, but each tile owns half a gap: "
+                "give an even number, 2 or more."
+            )
+        if int(self.scale_layers) != self.scale_layers or self.scale_layers < 1:
+            raise MeshError(
+                f"Mesh option scale_layers is {self.scale_layers}: give a whole number, 1 or more."
+            )
+
+    def to_config(self) -> dict[str, Any]:
+        """The options as plain numbers; `MeshOptions(**config)` makes them again."""
+        return asdict(self)
+
+    def finer(self, factor: float) -> MeshOptions:
+        """Options with all elements smaller by `factor`, graded over the same distances."""
+        factor = require_positive(factor, "refinement factor", "1")
+        return MeshOptions(
+            across=2 * max(1, round(0.5 * self.across * factor)),
+            along=self.along / factor,
+            corner=self.corner / factor,
+            growth=self.growth ** (1.0 / factor),
+            across_grading=self.across_grading ** (1.0 / factor),
+            scale_size=self.scale_size / factor,
+            scale_layers=max(1, round(self.scale_layers * factor)),
+        )

@@ -1,0 +1,203 @@
+"""Triangulations inside fixed boundary nodes, symmetric by construction. gmsh lives only here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from flexscale.errors import MeshError, MissingSystemPartError
+from flexscale.mesh.subdivision import graded_lengths
+from flexscale.mesh.wedge import CENTER, Region, fundamental_loops
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SAME_POINT = 1e-7  # relative to the region's size: images closer than this are one vertex
+
+
+@dataclass(frozen=True)
+class Filling:
+    """Triangulation of a region.
+
+    Attributes
+    ----------
+    points : (n, 2) mm, the region's boundary nodes first and in their order.
+    triangles : (m, 3) counterclockwise.
+    orbits : (n,) equal for points that a symmetry of the region exchanges.
+    """
+
+    points: FloatArray
+    triangles: IntArray
+    orbits: IntArray
+
+
+def fill_region(region: Region, largest: float, growth: float) -> Filling:
+    """Triangulate a fundamental piece of a region and copy it by the region's symmetries.
+
+    Parameters
+    ----------
+    largest : mm, element size to grow to, away from the boundary.
+    growth : ratio of neighboring sizes along mirrors and cuts.
+    """
+    loops = [_with_nodes_on_jumps(region, loop, largest, growth)
+             for loop in fundamental_loops(region)]
+    whole = len(region.symmetries) == 1
+    with _gmsh_model() as gmsh:
+        pieces = [_triangulate(gmsh, group, largest)
+                  for group in ([loops] if whole else [[loop] for loop in loops])]
+    points, triangles = _join(pieces)
+    return _copy_by_symmetries(region, points, triangles)
+
+
+def _with_nodes_on_jumps(
+    region: Region, loop: list[int], largest: float, growth: float
+) -> FloatArray:
+    """Positions along a loop, with nodes set on its straight jumps through the region."""
+    sizes = region.local_sizes()
+    positions = []
+    for here, there in zip(loop, loop[1:] + loop[:1], strict=True):
+        start, end = (region.center if k == CENTER else region.nodes[k] for k in (here, there))
+        positions.append(start[None])
+        if CENTER not in (here, there) and region.next_node[here] == there:
+            continue
+        ends = [largest if k == CENTER else min(sizes[k], largest) for k in (here, there)]
+        fractions = _jump_fractions(float(np.linalg.norm(end - start)), ends, largest, growth)
+        positions.append(start + fractions[:, None] * (end - start))
+    return np.concatenate(positions)
+
+
+def _jump_fractions(length: float, ends: list[float], largest: float, growth: float) -> FloatArray:
+    """Inner nodes of a segment whose element sizes at the two ends are given."""
+    if length <= 1.5 * min(ends):
+        return np.zeros(0)
+    wishes: tuple[list[float], list[float]] = ([], [])
+    sizes = list(ends)
+    while sum(wishes[0]) + sum(wishes[1]) < length * (1.0 - 1e-6):
+        # The end with the smaller element grows next; of equal ones both, for symmetry.
+        low = min(sizes)
+        for k in (0, 1):
+            if sizes[k] <= low * (1.0 + 1e-6):
+                wishes[k].append(sizes[k])
+                sizes[k] = min(sizes[k] * growth, largest)
+    lengths = np.array(wishes[0] + wishes[1][::-1])
+    return np.cumsum(lengths)[:-1] / lengths.sum()
+
+
+@contextmanager
+def _gmsh_model() -> Iterator[Any]:
+    """A fresh gmsh model with fixed options; configuration files of the user are not read."""
+    try:
+        import gmsh
+    except OSError as error:
+        raise MissingSystemPartError(
+            f"gmsh cannot be loaded ({error}): run `flexscale doctor` for the command that "
+            "installs the system libraries it needs."
+        ) from error
+    own = not gmsh.isInitialized()
+    if own:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        for option, value in (
+            ("General.Terminal", 0),
+            ("General.NumThreads", 1),
+            ("Mesh.Algorithm", 6),
+            ("Mesh.MeshSizeExtendFromBoundary", 1),
+            ("Mesh.MeshSizeFromPoints", 1),
+        ):
+            gmsh.option.setNumber(option, value)
+        gmsh.model.add("flexscale")
+        yield gmsh
+        gmsh.model.remove()
+    finally:
+        if own:
+            gmsh.finalize()
+
+
+def _triangulate(
+    gmsh: Any, loops: list[FloatArray], largest: float
+) -> tuple[FloatArray, IntArray]:
+    """Triangles inside closed loops of positions, the first one outside, the others holes.
+
+    gmsh adds no node to the loops: each segment is a curve with two nodes.
+    """
+    gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+    geo = gmsh.model.geo
+    curves = []
+    for loop in loops:
+        ahead = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+        sizes = 0.5 * (ahead + np.roll(ahead, 1))
+        tags = [geo.addPoint(x, y, 0.0, size)
+                for (x, y), size in zip(loop.tolist(), sizes.tolist(), strict=True)]
+        lines = [geo.addLine(a, b) for a, b in zip(tags, tags[1:] + tags[:1], strict=True)]
+        for line in lines:
+            geo.mesh.setTransfiniteCurve(line, 2)
+        curves.append(geo.addCurveLoop(lines))
+    geo.addPlaneSurface(curves)
+    geo.synchronize()
+    try:
+        gmsh.model.mesh.generate(2)
+    except Exception as error:  # gmsh raises nothing more specific
+        raise MeshError(f"gmsh could not triangulate a tile: {error}.") from error
+    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    types, _, corner_tags = gmsh.model.mesh.getElements(2)
+    corners = np.concatenate([c for t, c in zip(types, corner_tags, strict=True) if t == 2])
+    gmsh.model.mesh.clear()
+    gmsh.model.geo.remove(gmsh.model.getEntities(2), recursive=True)
+    gmsh.model.geo.synchronize()
+    order = np.argsort(node_tags)
+    triangles = np.searchsorted(node_tags[order], corners).reshape(-1, 3).astype(np.int64)
+    return coordinates.reshape(-1, 3)[order, :2], _counterclockwise(
+        coordinates.reshape(-1, 3)[order, :2], triangles
+    )
+
+
+def _counterclockwise(points: FloatArray, triangles: IntArray) -> IntArray:
+    u = points[triangles[:, 1]] - points[triangles[:, 0]]
+    v = points[triangles[:, 2]] - points[triangles[:, 0]]
+    negative = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0.0
+    triangles = triangles.copy()
+    triangles[negative] = triangles[negative][:, ::-1]
+    return triangles
+
+
+def _join(pieces: list[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+    starts = np.cumsum([0] + [len(points) for points, _ in pieces[:-1]])
+    triangles = [part + start for start, (_, part) in zip(starts, pieces, strict=True)]
+    return np.concatenate([points for points, _ in pieces]), np.concatenate(triangles)
+
+
+def _copy_by_symmetries(region: Region, points: FloatArray, triangles: IntArray) -> Filling:
+    """All images of the piece, coincident points merged onto the region's own nodes."""
+    n, n_nodes = len(points), len(region.nodes)
+    images = [symmetry.apply(points) for symmetry in region.symmetries]
+    everything = np.concatenate([region.nodes, *images])
+    reach = SAME_POINT * np.abs(everything - region.center).max()
+    pairs = cKDTree(everything).query_pairs(reach, output_type="ndarray")
+    labels = _components(len(everything), pairs)
+    # Numbers by first occurrence, so that the region's nodes keep theirs.
+    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+    number = np.argsort(np.argsort(first))[inverse]
+    cells = []
+    for k, symmetry in enumerate(region.symmetries):
+        image = number[n_nodes + k * n + triangles]
+        cells.append(image[:, ::-1] if symmetry.reverses else image)
+    same_orbit = np.stack(
+        [np.tile(number[n_nodes : n_nodes + n], len(images)), number[n_nodes:]], axis=1
+    )
+    merged = everything[np.sort(first)]
+    if number[:n_nodes].tolist() != list(range(n_nodes)):
+        raise MeshError("Nodes on a scale outline lie too close together: use a larger `corner`.")
+    return Filling(merged, np.concatenate(cells), _components(len(merged), same_orbit))
+
+
+def _components(n: int, pairs: IntArray) -> IntArray:
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
+    return connected_components(graph, directed=False)[1].astype(np.int64)

@@ -1,0 +1,109 @@
+"""The mesh of one tile: half its gaps, the sheet under its scale, and the scale."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.periodic_mesh import COVERED, FREE, OUTLINE, OUTLINE_CORNER
+from flexscale.mesh.prisms import extrude
+from flexscale.mesh.prototile import Filling, fill_region
+from flexscale.mesh.strip import Ring, build_strips
+from flexscale.mesh.wedge import make_region
+from flexscale.patterns import Prototile
+from flexscale.patterns.cell import turning_angles
+from flexscale.patterns.outlines import mitre_points
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+STRAIGHT = 1e-5  # radians: the outline counts as smooth where it turns less
+
+
+@dataclass(frozen=True)
+class TileMesh:
+    """Mesh of a prototile in its own place; arrays as in `PeriodicMesh`, without lattice.
+
+    Attributes
+    ----------
+    points : (n, 2) mm.
+    triangles : (m, 3) counterclockwise.
+    covered : (m,) whether a triangle lies under the scale.
+    kinds : (n,) values of `PeriodicMesh.vertex_kind`.
+    tangents : (n, 2) of the outline, counterclockwise, at kind 1.
+    shared : nodes on the tile's polygon.
+    scale_points : (n_scale, 3) mm, base vertices first.
+    base_triangles : (n_base, 3).
+    tets : (n_tets, 4).
+    """
+
+    points: FloatArray
+    triangles: IntArray
+    covered: NDArray[np.bool_]
+    kinds: NDArray[np.int8]
+    tangents: FloatArray
+    shared: IntArray
+    scale_points: FloatArray
+    base_triangles: IntArray
+    tets: IntArray
+
+
+def build_tile_mesh(
+    prototile: Prototile, gap: float, scale_height: float, options: MeshOptions
+) -> TileMesh:
+    """Mesh a prototile with all the symmetry it has.
+
+    Parameters
+    ----------
+    gap, scale_height : mm.
+    """
+    ring = _build_ring(prototile, gap, options)
+    outline = ring.points[ring.outline_nodes]
+    center = prototile.polygon.mean(axis=0)
+    region = make_region([outline], prototile.stabiliser, center, True)
+    under = fill_region(region, options.scale_size, options.growth)
+    coarse = make_region([outline[ring.coarse]], prototile.stabiliser, center, True)
+    base = fill_region(coarse, options.scale_size, options.growth)
+    scale_points, tets = extrude(
+        base.points, base.triangles, base.orbits, center, scale_height, options.scale_layers
+    )
+    return _assemble(ring, under, base, scale_points, tets)
+
+
+def _build_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:
+    inset = mitre_points(prototile.polygon, 0.5 * gap)
+    assert inset is not None
+    turns = np.abs(turning_angles(prototile.polygon)) > STRAIGHT
+    return build_strips(prototile.polygon, inset, prototile.sharp, turns, options)
+
+
+def _assemble(
+    ring: Ring, under: Filling, base: Filling, scale_points: FloatArray, tets: IntArray
+) -> TileMesh:
+    n_ring, n_outline = len(ring.points), len(ring.outline_nodes)
+    inner = np.arange(n_ring, n_ring + len(under.points) - n_outline)
+    to_tile = np.concatenate([ring.outline_nodes, inner])
+    points = np.concatenate([ring.points, under.points[n_outline:]])
+    kinds = np.full(len(points), FREE, dtype=np.int8)
+    kinds[inner] = COVERED
+    kinds[ring.outline_nodes] = OUTLINE
+    kinds[ring.outline_nodes[ring.kinks]] = OUTLINE_CORNER
+    tangents = np.zeros((len(points), 2))
+    outline = ring.points[ring.outline_nodes]
+    along = np.roll(outline, -1, axis=0) - np.roll(outline, 1, axis=0)
+    tangents[ring.outline_nodes] = along / np.linalg.norm(along, axis=1)[:, None]
+    tangents[kinds != OUTLINE] = 0.0
+    return TileMesh(
+        points=points,
+        triangles=np.concatenate([ring.triangles, to_tile[under.triangles]]),
+        covered=np.arange(len(ring.triangles) + len(under.triangles)) >= len(ring.triangles),
+        kinds=kinds,
+        tangents=tangents,
+        shared=ring.tile_nodes,
+        scale_points=scale_points,
+        base_triangles=base.triangles,
+        tets=tets,
+    )

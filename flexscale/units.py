@@ -26,11 +26,12 @@ def require_finite(value: float, name: str, unit: str) -> float:
     ------
     UnitRangeError : not a real number, nan or infinite.
     """
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+    given: object = value  # callers pass what users typed, whatever the annotation says
+    if isinstance(given, bool) or not isinstance(given, numbers.Real):
         raise UnitRangeError(
-            f"{name} must be a number{_in(unit)}, not {value!r} ({type(value).__name__})."
+            f"{name} must be a number{_in(unit)}, not {given!r} ({type(given).__name__})."
         )
-    number = float(value)
+    number = float(given)
     if not math.isfinite(number):
         raise UnitRangeError(
             f"{name} is {_with_unit(number, unit)}, but must be finite: give a number{_in(unit)}."

@@ -75,37 +75,48 @@ def canonical_json(value: Any) -> str:
     return json.dumps(plain(value, "value"), sort_keys=True, separators=(",", ":"))
 
 
-def plain(value: Any, where: str) -> Any:
+def plain(value: Any, where: str, *, null_for_nan: bool = False) -> Any:
     """Copy of `value` made of dict, list, text, int, float, bool and None only.
 
     Parameters
     ----------
     value : nested data, numpy numbers and arrays included.
     where : its name, for the message when something in it cannot be stored.
+    null_for_nan : turn numbers that are not finite into None instead of refusing them.
     """
-    if value is None or isinstance(value, bool | str):
-        return str(value) if isinstance(value, str) else value
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        return str(value)
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
                 raise ConfigError(f"{where} has the key {key!r}: keys must be text.")
-        return {str(key): plain(item, f"{where}.{key}") for key, item in value.items()}
+        return {
+            str(key): plain(item, f"{where}.{key}", null_for_nan=null_for_nan)
+            for key, item in value.items()
+        }
     if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist(), where)
+        return plain(value.tolist(), where, null_for_nan=null_for_nan)
     if isinstance(value, list | tuple):
-        return [plain(item, f"{where}[{index}]") for index, item in enumerate(value)]
+        return [
+            plain(item, f"{where}[{index}]", null_for_nan=null_for_nan)
+            for index, item in enumerate(value)
+        ]
     if isinstance(value, int):
         return int(value)
     if isinstance(value, float):
-        return _plain_float(float(value), where)
+        return _plain_float(float(value), where, null_for_nan)
     raise ConfigError(
         f"{where} is a {type(value).__name__} ({value!r}): "
-        "only text, numbers, true/false, null, lists and dicts can be part of a recipe."
+        "only text, numbers, true/false, null, lists and dicts can be stored."
     )
 
 
-def _plain_float(number: float, where: str) -> int | float:
+def _plain_float(number: float, where: str, null_for_nan: bool) -> int | float | None:
     if not math.isfinite(number):
+        if null_for_nan:
+            return None
         raise ConfigError(f"{where} is {number}: numbers in a recipe must be finite.")
     # Beyond 2**53 not every integer is a float, so 1e300 stays a float.
     if number.is_integer() and abs(number) < 2**53:

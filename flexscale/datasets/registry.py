@@ -2,78 +2,123 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexscale.datasets.store import Entry, Store
+from flexscale.datasets.catalog import read_catalog, update_catalog
+from flexscale.datasets.entry import Entry, read_record
+from flexscale.datasets.selection import Between, Selection, between, by_short_id
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-
-@dataclass(frozen=True)
-class Between:
-    """Closed range of a numeric column, made by `between`."""
-
-    low: float
-    high: float
-    unit: str
-
-
-def between(low: float, high: float, unit: str) -> Between:
-    """Range for `find`: ``gap=between(0.3, 0.5, "mm")``, both ends included."""
-    raise NotImplementedError
+__all__ = ["Between", "Entry", "Registry", "Selection", "between", "open_registry"]
 
 
 def open_registry(root: str | Path = "results") -> Registry:
-    """The datasets below `root`, local ones over reference ones; an empty folder is fine."""
-    return Registry(Store(root))
+    """The datasets below `root`, as they are now; a missing or empty folder is fine.
 
-
-class Selection(Sequence[Entry]):
-    """Immutable, sorted choice of datasets; chainable."""
-
-    def find(self, **criteria: Any) -> Selection:
-        """Those that also meet the criteria (a value, a list of values, or `between`)."""
-        raise NotImplementedError
-
-    def one(self) -> Entry:
-        """The only one; MissingDataError for none, UnknownNameError listing several."""
-        raise NotImplementedError
-
-    def table(self) -> pd.DataFrame:
-        """One row a dataset, units in the header."""
-        raise NotImplementedError
+    Parameters
+    ----------
+    root : results folder with the layers `local` and `reference`; of a dataset in both, the local
+        one counts.
+    """
+    return Registry(root)
 
 
 class Registry:
-    """All datasets of a results folder. `find` reads no file."""
+    """All datasets of a results folder at the moment of opening. `find` opens no file."""
 
-    def __init__(self, store: Store) -> None:
-        self.store = store
+    def __init__(self, root: str | Path = "results") -> None:
+        self.root = Path(root)
+        found: dict[tuple[str, str], Entry] = {}
+        damaged: list[str] = []
+        for name in ("reference", "local"):
+            catalog = read_catalog(self.root / name)
+            found.update({(entry.kind, entry.recipe_digest): entry for entry in catalog.entries})
+            damaged.extend(catalog.damaged)
+        self._entries = tuple(sorted(found.values(), key=_order))
+        #: sentences on folders that cannot be read
+        self.damaged: tuple[str, ...] = tuple(damaged)
 
     def __iter__(self) -> Iterator[Entry]:
-        raise NotImplementedError
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
 
     def find(self, **criteria: Any) -> Selection:
-        """Datasets by kind, family, pattern, status, gap, …; none given means all."""
-        raise NotImplementedError
+        """Datasets by kind, family, pattern, status, gap, …; none given means all.
+
+        A criterion is a value, a list of allowed values, or `between(low, high, unit)`. `status`
+        is "complete" when every sample converged, else "unconverged".
+
+        Raises
+        ------
+        UnknownNameError : unknown property or value, with close matches.
+        """
+        return Selection(self._entries, self._entries).find(**criteria)
 
     def one(self, **criteria: Any) -> xr.Dataset:
         """The only dataset that meets the criteria, loaded; else an error with the candidates."""
-        raise NotImplementedError
+        return self.load(self.find(**criteria).one())
 
     def table(self) -> pd.DataFrame:
         """All datasets as a table."""
-        raise NotImplementedError
+        return self.find().table()
 
     def get(self, identifier: str) -> Entry:
         """Entry by id; the digest may be shortened while unique ("sweep:3f9c")."""
-        raise NotImplementedError
+        return by_short_id(self._entries, identifier)
 
     def load(self, dataset: str | Entry) -> xr.Dataset:
-        """Dataset by id or entry."""
-        raise NotImplementedError
+        """Dataset by id or entry, verified, in memory; no file stays open."""
+        from flexscale.datasets.files import load_entry
+
+        return load_entry(self.get(dataset) if isinstance(dataset, str) else dataset)
+
+    def record(self, dataset: str | Entry) -> dict[str, Any]:
+        """Contents of record.json: recipe, digests, inputs, code, environment and "run"."""
+        entry = self.get(dataset) if isinstance(dataset, str) else dataset
+        return read_record(entry.folder)
+
+    def reindex(self) -> Registry:
+        """Rebuild local/catalog.csv from the folders and return the registry opened anew."""
+        if (self.root / "local").is_dir():
+            update_catalog(self.root / "local", rebuild=True)
+        return Registry(self.root)
+
+    def counts(self) -> list[tuple[str, str, int, int]]:
+        """(kind, family, datasets, of these with unconverged samples), sorted."""
+        total = Counter((entry.kind, entry.row["family"]) for entry in self._entries)
+        failed = Counter(
+            (entry.kind, entry.row["family"]) for entry in self._entries if entry.row["failed"]
+        )
+        return [(*key, total[key], failed[key]) for key in sorted(total)]
+
+    def __repr__(self) -> str:
+        lines = [f"Registry {self.root}: {len(self)} datasets"]
+        if self._entries:
+            lines.append(f"  {'kind':<10}{'family':<10}{'datasets':>9}{'unconverged':>13}")
+        for kind, family, number, failed in self.counts():
+            lines.append(f"  {kind:<10}{family:<10}{number:>9}{failed:>13}")
+        lines += [f"  damaged: {sentence}" for sentence in self.damaged]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{cell}</td>" for cell in line) + "</tr>"
+            for line in self.counts()
+        )
+        header = "<tr><th>kind</th><th>family</th><th>datasets</th><th>unconverged</th></tr>"
+        return (
+            f"<p>{len(self)} datasets, {len(self.damaged)} damaged</p><table>{header}{rows}</table>"
+        )
+
+
+def _order(entry: Entry) -> tuple[str, ...]:
+    row = entry.row
+    return (entry.kind, row["family"], row["pattern"], entry.recipe_digest)

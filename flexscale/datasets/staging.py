@@ -1,35 +1,136 @@
-"""Unfinished work on disk: sample-by-sample checkpoints that survive a kill."""
+"""Unfinished work on disk: sample-by-sample checkpoints, and files that appear whole or not."""
 
 from __future__ import annotations
 
+import io
+import json
+import os
+import shutil
+import uuid
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+
+from flexscale.errors import BadInputError
 
 
 class FileCheckpoint:
     """Finished samples of a sweep, one file each, below `folder/<line>/`.
 
-    Picklable (holds only the folder). A line is one (side, direction); its samples are numbered
-    in the order in which they were appended. Get one from `Store.checkpoint`.
+    Picklable. A line is one (side, direction); its samples are numbered in the order in which
+    they were appended. One process works on a line at a time; should two do, they write the same
+    numbers to the same files. Get one from `Store.checkpoint`.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
+        self._counts: dict[str, int] = {}
 
     def load(self, line_key: str) -> list[dict[str, Any]]:
         """Samples of the line in their order, bit for bit as appended; [] when there are none.
 
         What a kill left half written, and all that follows it, is ignored.
         """
-        raise NotImplementedError
+        samples: list[dict[str, Any]] = []
+        while (sample := _read_sample(self._path(line_key, len(samples)))) is not None:
+            samples.append(sample)
+        self._counts[line_key] = len(samples)
+        return samples
 
     def append(self, line_key: str, sample: dict[str, Any]) -> None:
         """Store one more sample of the line, atomically.
 
         `sample` may hold numbers, text, bool, None, numpy arrays, and lists or dicts of them.
         """
-        raise NotImplementedError
+        data = _pack(sample)
+        if line_key not in self._counts:
+            self.load(line_key)
+        # Counting what is readable, not what is there, overwrites a damaged file and its tail.
+        path = self._path(line_key, self._counts[line_key])
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, lambda file: file.write_bytes(data))
+        self._counts[line_key] += 1
 
     def clear(self) -> None:
         """Forget every sample (called when the finished dataset is published)."""
-        raise NotImplementedError
+        shutil.rmtree(self.folder, ignore_errors=True)
+        self._counts.clear()
+
+    def _path(self, line_key: str, index: int) -> Path:
+        # The prefix keeps keys such as ".." from being paths.
+        return self.folder / f"line-{quote(line_key, safe='')}" / f"{index:06d}.npz"
+
+
+def _pack(sample: dict[str, Any]) -> bytes:
+    """Bytes of a sample: structure as JSON, arrays beside it; each zip member has a checksum."""
+    arrays: dict[str, np.ndarray] = {}
+    text = json.dumps(_split(sample, arrays))
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, structure=np.frombuffer(text.encode(), np.uint8), **arrays)
+    return buffer.getvalue()
+
+
+def _split(value: Any, arrays: dict[str, np.ndarray]) -> Any:
+    """JSON-able copy in which arrays are replaced by their names; floats survive exactly."""
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "biufcU":
+            raise BadInputError(f"A sample cannot hold an array of type {value.dtype}.")
+        name = f"array{len(arrays)}"
+        arrays[name] = value
+        return {"array": name}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, dict):
+        return {"dict": [[str(key), _split(item, arrays)] for key, item in value.items()]}
+    if isinstance(value, list | tuple):
+        return [_split(item, arrays) for item in value]
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise BadInputError(f"A sample cannot hold a {type(value).__name__} ({value!r}).")
+
+
+def _join(value: Any, arrays: Any) -> Any:
+    if isinstance(value, dict):
+        if "array" in value:
+            return arrays[value["array"]]
+        return {key: _join(item, arrays) for key, item in value["dict"]}
+    if isinstance(value, list):
+        return [_join(item, arrays) for item in value]
+    return value
+
+
+def _read_sample(path: Path) -> dict[str, Any] | None:
+    """Sample in a file, None when the file is missing or damaged."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            structure = json.loads(stored["structure"].tobytes().decode())
+            sample: dict[str, Any] = _join(structure, stored)
+            return sample
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
+    """Let `write` fill a new file, then move it onto `path`, safe against power loss."""
+    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
+    try:
+        write(temporary)
+        sync(temporary)
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    sync(path.parent)
+
+
+def sync(path: Path) -> None:
+    """Wait until a file's contents, or a folder's names, are on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

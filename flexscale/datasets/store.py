@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
+import errno
+import json
+import os
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from flexscale.datasets.identity import SHORT_DIGEST, Recipe
-from flexscale.datasets.staging import FileCheckpoint
+import numpy as np
+import xarray as xr
 
-if TYPE_CHECKING:
-    import xarray as xr
+from flexscale.datasets.build import global_attributes
+from flexscale.datasets.catalog import update_catalog
+from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.entry import RECORD_FILE, Entry, read_record
+from flexscale.datasets.files import (
+    entry_of_folder,
+    first_difference,
+    load_entry,
+    verify_file,
+    write_payload,
+)
+from flexscale.datasets.identity import SHORT_DIGEST, Recipe, content_digest, plain
+from flexscale.datasets.locks import STAGING, working_folder
+from flexscale.datasets.provenance import environment
+from flexscale.datasets.schema import SCALARS, SCHEMAS, schema_of
+from flexscale.datasets.staging import FileCheckpoint, sync
+from flexscale.errors import NonReproducibleError, SchemaError
+from flexscale.status import SolveStatus
 
+__all__ = ["Entry", "Store"]
 
-@dataclass(frozen=True)
-class Entry:
-    """One published dataset: what the catalog knows, without opening its file."""
-
-    kind: str
-    recipe_digest: str
-    content_digest: str
-    folder: Path
-    row: Mapping[str, Any]
-
-    @property
-    def id(self) -> str:
-        """For instance "sweep:3f9c2e71b0aa"."""
-        return f"{self.kind}:{self.recipe_digest[:SHORT_DIGEST]}"
+#: A name that is one folder on every disk.
+_FOLDER_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]*")
 
 
 class Store:
@@ -40,6 +48,8 @@ class Store:
 
     def __init__(self, root: str | Path = "results") -> None:
         self.root = Path(root)
+        self.local = self.root / "local"
+        self.reference = self.root / "reference"
 
     def lookup(self, kind: str, recipe: Recipe, inputs: Sequence[Entry] = ()) -> Entry | None:
         """The verified dataset of this recipe (local before reference), or None.
@@ -50,14 +60,22 @@ class Store:
         ------
         IntegrityError : it is there, but damaged.
         """
-        raise NotImplementedError
+        schema_of(kind)
+        digest = _digest(recipe, inputs)
+        for layer in (self.local, self.reference):
+            for folder in sorted(layer.glob(f"{kind}/*/*/{digest[:SHORT_DIGEST]}")):
+                entry = entry_of_folder(folder, layer)
+                if entry.recipe_digest == digest:
+                    verify_file(entry.folder, read_record(folder))
+                    return entry
+        return None
 
     def checkpoint(self, recipe: Recipe, inputs: Sequence[Entry] = ()) -> FileCheckpoint:
         """Where unfinished samples of this recipe live, `root/local/.staging/<recipe digest>`.
 
         `publish` clears it.
         """
-        raise NotImplementedError
+        return FileCheckpoint(self.local / STAGING / _digest(recipe, inputs))
 
     def publish(
         self,
@@ -85,7 +103,28 @@ class Store:
         SchemaError : the dataset is not a valid one of its kind.
         NonReproducibleError : the same recipe was published with other numbers.
         """
-        raise NotImplementedError
+        complete = _with_attributes(dataset, kind, recipe, inputs)
+        check_dataset(complete, kind)
+        facts = _record_of(complete, kind, recipe, inputs, record or {})
+        path = _place(facts)
+        target = self.local / path
+        with working_folder(self.local) as work:
+            payload = work / target.name
+            payload.mkdir()
+            write_payload(payload, complete, kind, facts)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                os.rename(payload, target)
+            except OSError as error:
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+                _require_equal(
+                    complete, facts["content_digest"], entry_of_folder(target, self.local)
+                )
+            sync(target.parent)
+        update_catalog(self.local, changed=[path])
+        self.checkpoint(recipe, inputs).clear()
+        return entry_of_folder(target, self.local)
 
     def load(self, entry: Entry) -> xr.Dataset:
         """The dataset in memory, its file verified; no file stays open.
@@ -94,8 +133,80 @@ class Store:
         ------
         IntegrityError : the file is missing, unreadable or changed.
         """
-        raise NotImplementedError
+        return load_entry(entry)
 
     def record(self, entry: Entry) -> dict[str, Any]:
         """Contents of record.json: recipe, digests, inputs, environment and "run"."""
-        raise NotImplementedError
+        return read_record(entry.folder)
+
+
+def _digest(recipe: Recipe, inputs: Sequence[Entry]) -> str:
+    return recipe.digest(entry.content_digest for entry in inputs)
+
+
+def _with_attributes(
+    dataset: xr.Dataset, kind: str, recipe: Recipe, inputs: Sequence[Entry]
+) -> xr.Dataset:
+    """Copy with the global attributes of this recipe; the configuration in it is kept."""
+    config = json.loads(dataset.attrs.get("flexscale_config", "null"))
+    if config is None:
+        config = recipe.parameters
+    listed = [{"id": entry.id, "content_digest": entry.content_digest} for entry in inputs]
+    complete = dataset.copy(deep=False)
+    own = {name: text for name, text in dataset.attrs.items() if not name.startswith("flexscale_")}
+    complete.attrs = own | global_attributes(schema_of(kind), recipe, listed, config)
+    return complete
+
+
+def _record_of(
+    dataset: xr.Dataset,
+    kind: str,
+    recipe: Recipe,
+    inputs: Sequence[Entry],
+    run: Mapping[str, Any],
+) -> dict[str, Any]:
+    status = dataset["status"].values if "status" in dataset else np.zeros(0)
+    return {
+        "kind": kind,
+        "schema": SCHEMAS[kind].name,
+        "recipe": recipe.to_dict(),
+        "recipe_digest": _digest(recipe, inputs),
+        "content_digest": content_digest(dataset),
+        "inputs": [{"id": entry.id, "content_digest": entry.content_digest} for entry in inputs],
+        "scalars": {
+            item.name: dataset[item.name].item() for item in SCALARS if item.name in dataset.coords
+        },
+        "sizes": {str(name): int(size) for name, size in dataset.sizes.items()},
+        "samples": int(status.size),
+        "failed": int(np.count_nonzero(status != SolveStatus.converged)),
+        "code": {
+            name: dataset.attrs[f"flexscale_{name}"] for name in ("version", "commit", "dirty")
+        },
+        "environment": environment(),
+        "run": plain(run, "record", null_for_nan=True),
+    }
+
+
+def _place(facts: Mapping[str, Any]) -> str:
+    """Path kind/family/pattern/digest below the layer."""
+    names = [facts["kind"]]
+    for key in ("family", "pattern"):
+        name = str(facts["scalars"][key])
+        if not _FOLDER_NAME.fullmatch(name):
+            raise SchemaError(
+                f"The {key} is named {name!r}: use letters, digits, '.', '_', '+' and '-' "
+                "only, since it becomes a folder."
+            )
+        names.append(name)
+    return "/".join([*names, facts["recipe_digest"][:SHORT_DIGEST]])
+
+
+def _require_equal(dataset: xr.Dataset, digest: str, existing: Entry) -> None:
+    """NonReproducibleError when the published dataset of the same recipe has other content."""
+    stored = load_entry(existing)
+    if existing.content_digest != digest:
+        raise NonReproducibleError(
+            f"The recipe of {existing.id} gave other numbers than the stored dataset: "
+            f"{first_difference(dataset, stored)}. Raise the step's version if its numbers "
+            f"changed on purpose; else compare versions in {existing.folder / RECORD_FILE}."
+        )

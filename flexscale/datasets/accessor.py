@@ -1,0 +1,88 @@
+"""`dataset.fs`: look up samples by physical values."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexscale.errors import MissingDataError, UnknownNameError, suggest
+
+
+@xr.register_dataset_accessor("fs")
+class FlexScaleAccessor:
+    """FlexScale's additions to xarray datasets."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+
+    def sample(
+        self,
+        name: str,
+        *,
+        side: str | None = None,
+        direction: float | None = None,
+        curvature: float | None = None,
+    ) -> xr.DataArray:
+        """Values of a variable at the nearest stored sample, within half a step of the grid.
+
+        Parameters
+        ----------
+        name : variable, for instance "moment".
+        side : "closing" or "opening"; all when left out.
+        direction : degree, any real number (directions repeat after 180); all when left out.
+        curvature : mm-1, non-negative; all when left out.
+
+        Returns
+        -------
+        Values over the remaining dimensions; the coordinates and the attribute `sampled` say
+        what was picked.
+
+        Raises
+        ------
+        UnknownNameError : unknown variable or side.
+        MissingDataError : no sample lies within half a step.
+        """
+        known = list(self._dataset.data_vars)
+        if name not in known:
+            raise UnknownNameError(f"There is no variable {name!r}. {suggest(name, known)}")
+        values = self._dataset[name]
+        picked = []
+        if side is not None:
+            sides = [str(item) for item in values["side"].values]
+            if side not in sides:
+                raise UnknownNameError(f"There is no side {side!r} here. {suggest(side, sides)}")
+            values = values.isel(side=sides.index(side))
+            picked.append(f"side {side}")
+        for axis, wanted, unit, period in (
+            ("direction", direction, "degree", 180.0),
+            ("curvature", curvature, "mm-1", None),
+        ):
+            if wanted is None:
+                continue
+            grid = values[axis].values.astype(float)
+            index = _nearest(grid, float(wanted), axis, unit, period)
+            values = values.isel({axis: index})
+            picked.append(f"{axis} {grid[index]:.6g} {unit} (asked {float(wanted):.6g})")
+        values = values.copy()
+        values.attrs["sampled"] = ", ".join(picked) or "everything"
+        return values
+
+
+def _nearest(grid: np.ndarray, wanted: float, axis: str, unit: str, period: float | None) -> int:
+    """Index of the grid value nearest to `wanted`; error when it is over half a step away."""
+    distance = np.abs(grid - wanted)
+    if period is not None:
+        distance = np.abs((grid - wanted + period / 2) % period - period / 2)
+    index = int(np.argmin(distance))
+    # Steps beside the picked value; a grid of one value has none and matches only itself.
+    order = np.sort(grid)
+    place = int(np.searchsorted(order, grid[index]))
+    beside = np.diff(order)[max(place - 1, 0) : place + 1]
+    half_step = float(np.max(beside)) / 2 if beside.size else 0.0
+    if not distance[index] <= half_step + 1e-9 * max(1.0, abs(wanted)):
+        listed = ", ".join(f"{value:.6g}" for value in grid[:12])
+        more = f", … ({grid.size} in all)" if grid.size > 12 else ""
+        raise MissingDataError(
+            f"There is no sample at {axis} {wanted:.6g} {unit}; stored are {listed}{more} {unit}."
+        )
+    return index

@@ -1,0 +1,189 @@
+"""Does a dataset keep the promises of its kind?"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from flexscale.datasets.build import directional_stiffness
+from flexscale.datasets.identity import SHORT_DIGEST
+from flexscale.datasets.schema import ENERGY_PARTS, SIDES, Schema, Variable, schema_of
+from flexscale.errors import SchemaError
+from flexscale.status import SolveStatus
+
+#: share of the largest value that sums and zeros may be off by rounding
+ROUNDING = 1e-9
+
+
+def check_dataset(dataset: xr.Dataset, kind: str) -> None:
+    """Raise SchemaError with one sentence unless `dataset` is a valid one of `kind`.
+
+    Checked: names, dimensions and their order, types, units, global attributes; for a sweep also
+    monotonic coordinates, finite values exactly at converged samples, energy parts that sum, and
+    no energy without curvature; for meshes, indices within range.
+    """
+    schema = schema_of(kind)
+    _check_names(dataset, schema)
+    for name, declared in schema.all.items():
+        if name in dataset.variables:
+            _check_variable(dataset.variables[name], declared, schema)
+    _check_attributes(dataset, schema)
+    _CHECKS[kind](dataset)
+
+
+def _check_names(dataset: xr.Dataset, schema: Schema) -> None:
+    known = schema.all
+    for name in dataset.variables:
+        if name not in known:
+            raise SchemaError(f"A {schema.name} dataset must not hold the variable {name!r}.")
+    for name, declared in known.items():
+        if name not in dataset.variables and not declared.optional:
+            raise SchemaError(f"The {schema.name} dataset lacks the variable {name!r}.")
+
+
+def _check_variable(variable: xr.Variable, declared: Variable, schema: Schema) -> None:
+    where = f"{declared.name} of the {schema.name} dataset"
+    if variable.dims != declared.dims:
+        raise SchemaError(f"{where} has dimensions {variable.dims}, not {declared.dims}.")
+    is_text = variable.dtype.kind in "UOT"
+    if (declared.dtype == "text") != is_text or (not is_text and variable.dtype != declared.dtype):
+        raise SchemaError(f"{where} has type {variable.dtype}, not {declared.dtype}.")
+    if str(variable.attrs.get("units", "")) != declared.units:
+        raise SchemaError(
+            f"{where} has units {variable.attrs.get('units')!r}, not {declared.units!r}."
+        )
+    if "long_name" not in variable.attrs:
+        raise SchemaError(f"{where} has no long_name.")
+
+
+def _check_attributes(dataset: xr.Dataset, schema: Schema) -> None:
+    named = dataset.attrs.get("flexscale_schema")
+    if named != schema.name:
+        raise SchemaError(f"The dataset says it follows {named!r}, not {schema.name!r}.")
+    for name in ("flexscale_config", "flexscale_recipe", "flexscale_inputs"):
+        try:
+            json.loads(dataset.attrs.get(name, ""))
+        except (TypeError, ValueError) as error:
+            raise SchemaError(f"The attribute {name} of the dataset is not JSON text.") from error
+    if len(str(dataset.attrs.get("flexscale_recipe_digest", ""))) < SHORT_DIGEST:
+        raise SchemaError("The dataset has no attribute flexscale_recipe_digest.")
+
+
+def _check_sweep(dataset: xr.Dataset) -> None:
+    sides = [str(side) for side in dataset["side"].values]
+    if not sides or len(set(sides)) != len(sides) or not set(sides) <= set(SIDES):
+        raise SchemaError(f"The sides of a sweep are {sides}, not closing and opening, once each.")
+    direction = dataset["direction"].values
+    _check_axis(direction, "direction", "degree")
+    if direction[0] < 0.0 or direction[-1] >= 180.0:
+        raise SchemaError("Directions of a sweep must lie in [0, 180) degree.")
+    curvature = dataset["curvature"].values
+    _check_axis(curvature, "curvature", "mm-1")
+    if curvature[0] < 0.0:
+        raise SchemaError("Curvatures of a sweep must not be negative: the side carries the sign.")
+    status = dataset["status"].values
+    if not np.isin(status, [int(item) for item in SolveStatus]).all():
+        raise SchemaError("A status of the sweep is none of the known ones.")
+    for name, variable in dataset.data_vars.items():
+        if variable.dims[:3] == dataset["status"].dims and variable.dtype.kind == "f":
+            _check_finite(dataset, str(name), status == SolveStatus.converged)
+    _check_energy(dataset)
+
+
+def _check_axis(values: np.ndarray, name: str, unit: str) -> None:
+    if values.size == 0 or not np.isfinite(values).all() or not (np.diff(values) > 0).all():
+        raise SchemaError(
+            f"The {name} axis [{unit}] must hold finite, strictly increasing values, "
+            f"not {values.tolist()[:12]}."
+        )
+
+
+def _check_finite(dataset: xr.Dataset, name: str, converged: np.ndarray) -> None:
+    """Numbers exactly where the solve converged; all missing is fine when a comment says why."""
+    finite = np.isfinite(dataset[name].values)
+    if finite.ndim > converged.ndim:
+        converged = np.broadcast_to(converged[..., None], finite.shape)
+    if "comment" in dataset[name].attrs and not finite.any():
+        return
+    wrong = np.argwhere(finite != converged)
+    if wrong.size:
+        side, direction, curvature = wrong[0][:3]
+        value = dataset[name].values[tuple(wrong[0])]
+        status = SolveStatus(int(dataset["status"].values[side, direction, curvature]))
+        raise SchemaError(
+            f"{name} is {value} at side {dataset['side'].values[side]}, "
+            f"direction {dataset['direction'].values[direction]:g} degree, "
+            f"curvature {dataset['curvature'].values[curvature]:g} mm-1, "
+            f"where the status is {status.name}: numbers belong to converged samples only."
+        )
+
+
+def _check_energy(dataset: xr.Dataset) -> None:
+    energy = dataset["energy_density"].values
+    parts = np.stack([dataset[name].values for name in ENERGY_PARTS])
+    if not np.isfinite(energy).any():
+        return
+    scale = float(np.nanmax(np.abs(parts)))
+    off = float(np.nanmax(np.abs(parts.sum(axis=0) - energy)))
+    if off > ROUNDING * scale:
+        raise SchemaError(f"The parts of energy_density miss its value by {off:.3g} N mm-1.")
+    at_rest = energy[:, :, dataset["curvature"].values == 0.0]
+    at_rest = at_rest[np.isfinite(at_rest)]
+    if at_rest.size and np.abs(at_rest).max() > ROUNDING * max(scale, 1e-3):
+        raise SchemaError(
+            f"energy_density is {np.abs(at_rest).max():.3g} N mm-1 at curvature 0, not 0."
+        )
+
+
+def _check_tangent(dataset: xr.Dataset) -> None:
+    matrix = dataset["matrix"].values
+    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+        raise SchemaError("The stiffness matrix must be 3 by 3 and finite.")
+    scale = float(np.abs(matrix).max())
+    if np.abs(matrix - matrix.T).max() > 1e-6 * scale:
+        raise SchemaError("The stiffness matrix must be symmetric.")
+    direction = dataset["direction"].values
+    _check_axis(direction, "direction", "degree")
+    expected = directional_stiffness(matrix, direction)
+    if np.abs(dataset["stiffness"].values - expected).max() > ROUNDING * scale:
+        raise SchemaError("The directional stiffness does not follow from the matrix.")
+
+
+#: index arrays and the dimension they point into
+_CELL_INDICES = {
+    "triangles": "vertex",
+    "triangle_edges": "edge",
+    "edges": "vertex",
+    "tets": "scale_vertex",
+    "base_triangles": "scale_vertex",
+    "surface_triangles": "scale_vertex",
+}
+_SHAPE_INDICES = {"triangles": "point", "tets": "point", "surface_triangles": "point"}
+
+
+def _check_mesh(indices: dict[str, str]) -> Callable[[xr.Dataset], None]:
+    def check(dataset: xr.Dataset) -> None:
+        for name, variable in dataset.data_vars.items():
+            if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
+                raise SchemaError(f"{name} holds values that are not finite.")
+        for name, target in indices.items():
+            values = dataset[name].values
+            size = dataset.sizes[target]
+            if values.size and (values.min() < 0 or values.max() >= size):
+                raise SchemaError(f"{name} points outside the {size} entries of {target}.")
+        (a, b), (c, d) = dataset["lattice"].values
+        if not a * d - b * c > 0.0:
+            raise SchemaError("The lattice vectors must be right-handed and independent.")
+
+    return check
+
+
+_CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
+    "cell": _check_mesh(_CELL_INDICES),
+    "sweep": _check_sweep,
+    "tangent": _check_tangent,
+    "shape": _check_mesh(_SHAPE_INDICES),
+}

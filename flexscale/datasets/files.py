@@ -1,0 +1,103 @@
+"""The two files of a dataset's folder: written and read back, verified, compared."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import flexscale.datasets.accessor  # noqa: F401  (registers `dataset.fs`)
+from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.entry import DATA_FILE, RECORD_FILE, Entry, read_record, row_of_record
+from flexscale.datasets.identity import SHORT_DIGEST, content_digest
+from flexscale.datasets.staging import sync
+from flexscale.errors import IntegrityError
+
+
+def load_entry(entry: Entry) -> xr.Dataset:
+    """The dataset of an entry in memory, its file verified; IntegrityError when it is not."""
+    verify_file(entry.folder, read_record(entry.folder))
+    return read_netcdf(entry.folder / DATA_FILE)
+
+
+def entry_of_folder(folder: Path, layer: Path) -> Entry:
+    """Entry read from a folder's record.json."""
+    path = folder.relative_to(layer).as_posix()
+    return Entry.from_row(row_of_record(read_record(folder), path), layer)
+
+
+def verify_file(folder: Path, record: Mapping[str, Any]) -> None:
+    """Compare the bytes of data.nc with their recorded sha256.
+
+    Done before the netCDF library sees the file: damaged HDF5 can crash the process.
+    """
+    path = folder / DATA_FILE
+    advice = f"Remove the folder {folder} and run the step again."
+    try:
+        with path.open("rb") as file:
+            found = hashlib.file_digest(file, "sha256").hexdigest()
+    except FileNotFoundError as error:
+        raise IntegrityError(f"{path} is missing. {advice}") from error
+    except OSError as error:
+        raise IntegrityError(f"{path} cannot be read: {error.strerror}.") from error
+    if found != record["file_sha256"]:
+        raise IntegrityError(
+            f"{path} is damaged: its sha256 starts with {found[:SHORT_DIGEST]}, "
+            f"recorded is {str(record['file_sha256'])[:SHORT_DIGEST]}. {advice}"
+        )
+
+
+def write_payload(folder: Path, dataset: xr.Dataset, kind: str, facts: dict[str, Any]) -> None:
+    """Write data.nc and record.json, and read the data back to be sure of them."""
+    path = folder / DATA_FILE
+    encoding = {
+        name: {"zlib": True, "complevel": 4, "shuffle": True}
+        for name, variable in dataset.variables.items()
+        if variable.size > 256 and variable.dtype.kind in "fi"
+    }
+    dataset.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    stored = read_netcdf(path)
+    check_dataset(stored, kind)
+    if content_digest(stored) != facts["content_digest"] or not stored.identical(dataset):
+        raise IntegrityError(
+            f"The {kind} dataset does not survive writing: {first_difference(dataset, stored)}."
+        )
+    sync(path)
+    with path.open("rb") as file:
+        facts["file_sha256"] = hashlib.file_digest(file, "sha256").hexdigest()
+    facts["file_bytes"] = path.stat().st_size
+    record = folder / RECORD_FILE
+    record.write_text(json.dumps(facts, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    sync(record)
+    sync(folder)
+
+
+def read_netcdf(path: Path) -> xr.Dataset:
+    try:
+        return xr.load_dataset(path, engine="netcdf4")
+    except (OSError, ValueError, RuntimeError) as error:
+        raise IntegrityError(f"{path} is not readable as netCDF: {error}.") from error
+
+
+def first_difference(new: xr.Dataset, old: xr.Dataset) -> str:
+    """The first variable that differs, and by how much at most."""
+    for name in sorted({*map(str, new.variables), *map(str, old.variables)}):
+        if name not in new.variables or name not in old.variables:
+            return f"{name} is in only one of them"
+        a, b = new.variables[name], old.variables[name]
+        if a.identical(b):
+            continue
+        if a.shape != b.shape or a.dims != b.dims:
+            return f"{name} has shape {a.shape}, stored is {b.shape}"
+        if a.dtype.kind in "fi" and b.dtype.kind in "fi" and not a.equals(b):
+            missing = int(np.count_nonzero(np.isnan(a.values) != np.isnan(b.values)))
+            largest = float(np.nanmax(np.abs(a.values - b.values), initial=0.0))
+            text = f"{name} differs by at most {largest:.3g} {a.attrs.get('units', '')}".rstrip()
+            return text + (f" and in {missing} missing values" if missing else "")
+        return f"{name} differs"
+    return "global attributes differ"

@@ -1,0 +1,260 @@
+"""What each kind of dataset holds: one declarative table per kind.
+
+The tables feed building (`build`), checking (`checks`) and the catalog. A change that readers
+would notice raises the kind's version.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from flexscale.errors import UnknownNameError, suggest
+from flexscale.status import FLAG_MEANINGS, SolveStatus
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SIDES = ("closing", "opening")
+COMPONENTS = ("xx", "yy", "xy")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable: `dtype` is "float64", "int32", "int8" or "text"; `units` "" for text only."""
+
+    name: str
+    dims: tuple[str, ...]
+    dtype: str
+    units: str
+    long_name: str
+    optional: bool = False
+    attrs: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Schema:
+    """Coordinates, data variables and scalar coordinates of one kind of dataset."""
+
+    kind: str
+    version: int
+    title: str
+    coordinates: tuple[Variable, ...]
+    variables: tuple[Variable, ...]
+
+    @property
+    def name(self) -> str:
+        """For instance "sweep/1"."""
+        return f"{self.kind}/{self.version}"
+
+    @property
+    def all(self) -> dict[str, Variable]:
+        """Every variable by name, the scalar coordinates common to all kinds included."""
+        return {item.name: item for item in (*SCALARS, *self.coordinates, *self.variables)}
+
+
+def schema_of(kind: str) -> Schema:
+    """Table of a kind; UnknownNameError with the closest names for an unknown one."""
+    if kind not in SCHEMAS:
+        raise UnknownNameError(f"There is no dataset kind {kind!r}. {suggest(kind, SCHEMAS)}")
+    return SCHEMAS[kind]
+
+
+def derive(values: xr.DataArray, name: str, units: str, long_name: str) -> xr.DataArray:
+    """Name a computed array and give it its own attributes.
+
+    Needed since arithmetic keeps the wrong ones: m**2 and m/m still say "N".
+    """
+    result = values.rename(name)
+    result.attrs = {"units": units, "long_name": long_name}
+    return result
+
+
+def _scalar(name: str, units: str, long_name: str) -> Variable:
+    return Variable(name, (), "float64", units, long_name, optional=True)
+
+
+#: Scalar coordinates, so that stacked data stay labelled; they are columns of the catalog.
+SCALARS: tuple[Variable, ...] = (
+    Variable("family", (), "text", "", "isohedral family, or custom"),
+    Variable("pattern", (), "text", "", "name of the scale pattern"),
+    _scalar("gap", "mm", "width of the gap between scales"),
+    _scalar("tile_area", "mm2", "area of a tile"),
+    _scalar("scale_height", "mm", "height of the scales"),
+    _scalar("substrate_thickness", "mm", "thickness of the substrate"),
+    _scalar("scale_young_modulus", "MPa", "Young's modulus of the scales"),
+    _scalar("scale_poisson_ratio", "1", "Poisson's ratio of the scales"),
+    _scalar("substrate_young_modulus", "MPa", "Young's modulus of the substrate"),
+    _scalar("substrate_poisson_ratio", "1", "Poisson's ratio of the substrate"),
+    _scalar("mesh_size", "mm", "element size across the gap"),
+)
+
+_DIRECTION = Variable("direction", ("direction",), "float64", "degree", "bending direction")
+_SAMPLE = ("side", "direction", "curvature")
+
+
+def _sampled(name: str, units: str, long_name: str, **attrs: str) -> Variable:
+    return Variable(name, _SAMPLE, "float64", units, long_name, attrs=attrs)
+
+
+def _counted(name: str, long_name: str, *, optional: bool = False) -> Variable:
+    return Variable(name, _SAMPLE, "int32", "1", long_name, optional=optional)
+
+
+#: The parts of the energy density; they sum to it.
+ENERGY_PARTS = tuple(
+    f"energy_density_{part}" for part in ("membrane", "bending", "scales", "contact")
+)
+
+STATUS_ATTRS: dict[str, Any] = {
+    "flag_values": [int(status) for status in SolveStatus],
+    "flag_meanings": FLAG_MEANINGS,
+}
+
+SWEEP = Schema(
+    "sweep",
+    1,
+    "Bending of a periodic scaled sheet in many directions",
+    coordinates=(
+        Variable("side", ("side",), "text", "", "side to which the sheet is bent"),
+        _DIRECTION,
+        Variable("curvature", ("curvature",), "float64", "mm-1", "magnitude of the curvature"),
+        Variable("component", ("component",), "text", "", "component of a symmetric 2x2 tensor"),
+        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+        Variable("direction_rad", ("direction",), "float64", "rad", "bending direction"),
+        Variable(
+            "signed_curvature", ("side", "curvature"), "float64", "mm-1", "curvature, closing > 0"
+        ),
+    ),
+    variables=(
+        _sampled("energy_density", "N mm-1", "energy per rest area of the midsurface"),
+        _sampled("energy_density_membrane", "N mm-1", "stretching energy of the substrate"),
+        _sampled("energy_density_bending", "N mm-1", "bending energy of the substrate"),
+        _sampled("energy_density_scales", "N mm-1", "elastic energy of the scales"),
+        _sampled("energy_density_contact", "N mm-1", "contact energy of the scales"),
+        _sampled(
+            "moment",
+            "N",
+            "bending moment per width",
+            method="derivative of the energy density by the curvature at fixed unknowns",
+        ),
+        Variable(
+            "stretch",
+            (*_SAMPLE, "component"),
+            "float64",
+            "1",
+            "symmetric stretch F of the lattice",
+        ),
+        _sampled("min_gap", "mm", "smallest distance between scales"),
+        _counted("contact_pairs", "active contact pairs"),
+        _counted("newton_iterations", "Newton iterations"),
+        _counted("alm_iterations", "augmented Lagrangian iterations", optional=True),
+        _counted("negative_eigenvalues", "negative eigenvalues of the constrained Hessian"),
+        _sampled("residual_norm", "N", "norm of the remaining force"),
+        _sampled("mean_offset", "mm", "mean normal displacement of the substrate"),
+        Variable("status", _SAMPLE, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),
+        Variable(
+            "symmetry_source",
+            ("side", "direction"),
+            "float64",
+            "degree",
+            "direction that was computed; others follow by the pattern's symmetry",
+        ),
+    ),
+)
+
+TANGENT = Schema(
+    "tangent",
+    1,
+    "Bending stiffness of a periodic scaled sheet at rest",
+    coordinates=(
+        _DIRECTION,
+        Variable("component", ("component",), "text", "", "curvature xx, yy, 2xy"),
+        Variable("other_component", ("other_component",), "text", "", "curvature xx, yy, 2xy"),
+    ),
+    variables=(
+        Variable(
+            "matrix",
+            ("component", "other_component"),
+            "float64",
+            "N mm",
+            "stiffness C: energy density 1/2 k C k with k = (kxx, kyy, 2 kxy)",
+        ),
+        Variable(
+            "stiffness", ("direction",), "float64", "N mm", "moment per curvature in a direction"
+        ),
+    ),
+)
+
+
+def _mesh(name: str, dims: str, dtype: str, long_name: str, units: str = "1") -> Variable:
+    return Variable(name, tuple(dims.split()), dtype, units, long_name)
+
+
+def _polygon(name: str, dims: str, dtype: str, long_name: str, units: str = "1") -> Variable:
+    return Variable(name, tuple(dims.split()), dtype, units, long_name, optional=True)
+
+
+CELL = Schema(
+    "cell",
+    1,
+    "Geometry and mesh of one periodic cell",
+    coordinates=(),
+    variables=(
+        _mesh("lattice", "lattice_vector plane", "float64", "lattice vectors t1, t2", "mm"),
+        _mesh("positions", "vertex plane", "float64", "rest positions of the substrate", "mm"),
+        _mesh("triangles", "triangle corner", "int32", "substrate triangles, ccw"),
+        _mesh("triangle_offsets", "triangle corner lattice_vector", "int32", "lattice offsets"),
+        _mesh("triangle_scale", "triangle", "int32", "covering scale, -1 in the gap"),
+        _mesh("vertex_scale", "vertex", "int32", "scale that carries the vertex, -1 free"),
+        _mesh("vertex_kind", "vertex", "int8", "0 free, 1 outline, 2 corner, 3 under a scale"),
+        _mesh("outline_tangent", "vertex plane", "float64", "unit tangent of the outline"),
+        _mesh("edges", "edge edge_end", "int32", "substrate edges"),
+        _mesh("edge_shift", "edge lattice_vector", "int32", "lattice offset of the second end"),
+        _mesh("triangle_edges", "triangle corner", "int32", "edge from corner i to i+1"),
+        _mesh(
+            "triangle_edge_offsets",
+            "triangle corner lattice_vector",
+            "int32",
+            "lattice offset of the edge's first end",
+        ),
+        _mesh("edge_scale", "edge", "int32", "scale outline, -1 gap, -2 under a scale"),
+        _mesh("scale_positions", "scale_vertex space", "float64", "rest positions", "mm"),
+        _mesh("tets", "tet tet_corner", "int32", "tetrahedra of the scales"),
+        _mesh("tet_scale", "tet", "int32", "scale of the tetrahedron"),
+        _mesh("base_triangles", "base_triangle corner", "int32", "scale bases, ccw from +z"),
+        _mesh("base_scale", "base_triangle", "int32", "scale of the base triangle"),
+        _mesh("surface_triangles", "surface_triangle corner", "int32", "scale surfaces, outward"),
+        _mesh("surface_scale", "surface_triangle", "int32", "scale of the surface triangle"),
+        _mesh("n_scales", "", "int32", "number of scales in the cell"),
+        _polygon("tile_points", "tile_point plane", "float64", "tile polygons, ccw", "mm"),
+        _polygon("tile_of_point", "tile_point", "int32", "tile of the point"),
+        _polygon("outline_points", "outline_point plane", "float64", "scale outlines, ccw", "mm"),
+        _polygon("outline_of_point", "outline_point", "int32", "scale of the point"),
+    ),
+)
+
+SHAPE = Schema(
+    "shape",
+    1,
+    "Deformed cell at chosen samples of a sweep",
+    coordinates=(
+        _mesh("sample_direction", "sample", "float64", "bending direction", "degree"),
+        _mesh("sample_curvature", "sample", "float64", "signed curvature, closing > 0", "mm-1"),
+    ),
+    variables=(
+        _mesh("lattice", "lattice_vector plane", "float64", "lattice vectors t1, t2", "mm"),
+        _mesh("stretch", "sample component", "float64", "stretch F of the lattice: xx, yy, xy"),
+        _mesh("points", "point space", "float64", "rest positions, scales and substrate", "mm"),
+        _mesh("displacement", "sample point space", "float64", "displacement", "mm"),
+        _mesh("triangles", "triangle corner", "int32", "substrate triangles into points"),
+        _mesh("triangle_scale", "triangle", "int32", "covering scale, -1 in the gap"),
+        _mesh("tets", "tet tet_corner", "int32", "scale tetrahedra into points"),
+        _mesh("tet_scale", "tet", "int32", "scale of the tetrahedron"),
+        _mesh("surface_triangles", "surface_triangle corner", "int32", "scale surfaces, outward"),
+        _mesh("surface_scale", "surface_triangle", "int32", "scale of the surface triangle"),
+    ),
+)
+
+SCHEMAS: dict[str, Schema] = {item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE)}

@@ -1,0 +1,68 @@
+"""FlexScale: bending of flexible scaled sheets, from a scale pattern to its bending dataset.
+
+Public names load on first use (PEP 562), so `import flexscale` costs nothing and reading datasets
+needs neither gmsh nor numba.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexscale import plotting as plot
+    from flexscale.datasets.registry import between, open_registry
+    from flexscale.homogenize import SolverOptions, sweep, tangent_stiffness
+    from flexscale.mesh.options import MeshOptions
+    from flexscale.patterns.material import PETG, TPU, NeoHookean
+    from flexscale.patterns.pattern import Pattern
+    from flexscale.tilings import Tiling, families
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "PETG",
+    "TPU",
+    "MeshOptions",
+    "NeoHookean",
+    "Pattern",
+    "SolverOptions",
+    "Tiling",
+    "between",
+    "families",
+    "open_registry",
+    "plot",
+    "sweep",
+    "tangent_stiffness",
+]
+
+#: Public name -> module that holds it; a module itself where the two are the same thing.
+_HOMES = {
+    "PETG": "flexscale.patterns.material",
+    "TPU": "flexscale.patterns.material",
+    "MeshOptions": "flexscale.mesh.options",
+    "NeoHookean": "flexscale.patterns.material",
+    "Pattern": "flexscale.patterns.pattern",
+    "SolverOptions": "flexscale.homogenize",
+    "Tiling": "flexscale.tilings",
+    "between": "flexscale.datasets.registry",
+    "families": "flexscale.tilings",
+    "open_registry": "flexscale.datasets.registry",
+    "sweep": "flexscale.homogenize",
+    "tangent_stiffness": "flexscale.homogenize",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name == "plot":
+        value: object = importlib.import_module("flexscale.plotting")
+    elif name in _HOMES:
+        value = getattr(importlib.import_module(_HOMES[name]), name)
+    else:
+        raise AttributeError(f"module 'flexscale' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

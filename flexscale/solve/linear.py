@@ -1,0 +1,148 @@
+"""Sparse symmetric factorization behind one small interface.
+
+The upper triangle of the matrix comes as CSR values on a fixed pattern: the pattern is analyzed once, then
+factorized as often as its values change. Two backends: PARDISO (x86-64) and scipy's SuperLU, which works everywhere.
+`FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the choice.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+from flexscale.errors import MissingSystemPartError, UnknownNameError, suggest
+from flexscale.mechanics.energy import FloatArray, IntArray
+
+ENVIRONMENT_VARIABLE = "FLEXSCALE_LINEAR_SOLVER"
+
+
+class Factorization(Protocol):
+    """L D L^T of a symmetric matrix."""
+
+    name: str
+
+    def factorize(self, values: FloatArray) -> int:
+        """Factorize; returns the number of negative eigenvalues (-1: singular to rounding)."""
+
+    def solve(self, right_hand_sides: FloatArray) -> FloatArray:
+        """Solve for (n, k) right-hand sides with the last factorization."""
+
+
+class PardisoFactorization:
+    """Intel MKL's PARDISO, Bunch-Kaufman L D L^T, one thread, reproducible."""
+
+    name = "pardiso"
+
+    def __init__(self, indptr: IntArray, indices: IntArray) -> None:
+        # Same recipe, same bits: must be set before MKL is loaded.
+        os.environ.setdefault("MKL_CBWR", "AVX2")
+        try:
+            import pypardiso
+        except ImportError as error:
+            raise MissingSystemPartError(
+                f"The linear solver PARDISO is not available here ({error}); "
+                f"set {ENVIRONMENT_VARIABLE}=superlu to use the fallback."
+            ) from error
+        n = len(indptr) - 1
+        self._solver: Any = pypardiso.PyPardisoSolver(mtype=-2)
+        self._solver.libmkl.MKL_Set_Num_Threads(1)
+        settings = {1: 1, 2: 2, 8: 1, 10: 10, 11: 0, 13: 0, 21: 1, 24: 0, 25: 0, 34: 1}
+        for number, value in settings.items():
+            self._solver.set_iparm(number, value)
+        self._matrix = sp.csr_array(
+            (np.zeros(len(indices)), indices.astype(np.int32), indptr.astype(np.int32)), shape=(n, n)
+        )
+        self._call(11, np.zeros((n, 1), order="F"))
+
+    def _call(self, phase: int, right_hand_sides: FloatArray) -> FloatArray:
+        self._solver.set_phase(phase)
+        return np.asarray(self._solver._call_pardiso(self._matrix, right_hand_sides))
+
+    def factorize(self, values: FloatArray) -> int:
+        """Numerical factorization on the analyzed pattern."""
+        self._matrix.data[:] = values
+        self._call(22, np.zeros((self._matrix.shape[0], 1), order="F"))
+        return int(self._solver.get_iparm(23))
+
+    def solve(self, right_hand_sides: FloatArray) -> FloatArray:
+        """Back-substitution with one step of iterative refinement."""
+        return self._call(33, np.asfortranarray(right_hand_sides, dtype=float))
+
+    def __del__(self) -> None:
+        # At interpreter exit the memory goes with the process, and the wrapper no longer works.
+        if hasattr(self, "_solver") and not sys.is_finalizing():
+            self._solver.free_memory(everything=True)
+
+
+class SuperLuFactorization:
+    """scipy's SuperLU in symmetric mode; the signs of its pivots give the inertia."""
+
+    name = "superlu"
+
+    def __init__(self, indptr: IntArray, indices: IntArray) -> None:
+        n = len(indptr) - 1
+        upper = sp.csr_array((np.arange(1.0, len(indices) + 1.0), indices, indptr), shape=(n, n))
+        full = sp.csc_array(upper + sp.triu(upper, 1).T)
+        full.sort_indices()
+        self._source = full.data.astype(np.int64) - 1
+        self._matrix = full
+        self._lu: Any = None
+
+    def factorize(self, values: FloatArray) -> int:
+        """Numerical factorization with diagonal pivots, so that L U = L D L^T."""
+        self._matrix.data[:] = values[self._source]
+        try:
+            self._lu = scipy.sparse.linalg.splu(
+                self._matrix,
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:  # exactly singular
+            return -1
+        if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
+            return -1
+        return int(np.count_nonzero(self._lu.U.diagonal() < 0.0))
+
+    def solve(self, right_hand_sides: FloatArray) -> FloatArray:
+        """Back-substitution with one step of iterative refinement."""
+        x = self._lu.solve(np.asarray(right_hand_sides))
+        return x + self._lu.solve(right_hand_sides - self._matrix @ x)
+
+
+_BACKENDS: dict[str, type[PardisoFactorization] | type[SuperLuFactorization]] = {
+    "pardiso": PardisoFactorization,
+    "superlu": SuperLuFactorization,
+}
+
+
+def available_linear_solver(name: str = "auto") -> str:
+    """Resolve "auto": the environment variable if set, else PARDISO if it can be loaded, else SuperLU.
+
+    Raises
+    ------
+    UnknownNameError : no backend of that name.
+    """
+    if name == "auto":
+        name = os.environ.get(ENVIRONMENT_VARIABLE, "auto")
+    if name == "auto":
+        try:
+            import pypardiso  # noqa: F401
+        except ImportError:
+            return "superlu"
+        return "pardiso"
+    if name not in _BACKENDS:
+        raise UnknownNameError(
+            f"There is no linear solver '{name}'{suggest(name, [*_BACKENDS, 'auto'])}"
+        )
+    return name
+
+
+def build_factorization(indptr: IntArray, indices: IntArray, name: str = "auto") -> Factorization:
+    """Analyze a pattern (CSR of the upper triangle, diagonal included) with the named backend."""
+    return _BACKENDS[available_linear_solver(name)](indptr, indices)

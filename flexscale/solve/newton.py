@@ -1,0 +1,268 @@
+"""Newton's method with line search for an energy under the mean-offset constraint [Eqs. 8, 9].
+
+Each iteration factorizes the Hessian as it is. Only if it has negative eigenvalues on the constraint is it
+replaced, for the search direction alone, by one of projected element Hessians, and then damped on the diagonal
+until positive. A stationary point with negative eigenvalues is a saddle: it is left along its most negative mode.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse.linalg
+
+from flexscale.errors import ConfigError, suggest
+from flexscale.mechanics.energy import FloatArray
+from flexscale.solve.constraint import ConstrainedSystem
+from flexscale.status import SolveStatus
+from flexscale.units import require_positive
+
+CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """How an equilibrium is sought.
+
+    Attributes
+    ----------
+    constraint : "bordered" (one loop) or "augmented_lagrangian" with Sherman-Morrison, as in the paper.
+    tolerance : Newton decrement at which a state is accepted, relative to its energy.
+    max_iterations : factorizations per equilibrium.
+    penalty : N/mm, rho of the augmented Lagrangian.
+    linear_solver : "auto", "pardiso" or "superlu".
+    """
+
+    constraint: str = "bordered"
+    tolerance: float = 1e-9
+    max_iterations: int = 60
+    penalty: float = 10.0
+    linear_solver: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.constraint not in CONSTRAINT_METHODS:
+            raise ConfigError(
+                f"There is no constraint method '{self.constraint}'{suggest(self.constraint, CONSTRAINT_METHODS)}"
+            )
+        require_positive(self.tolerance, "solver tolerance", "1")
+        require_positive(self.max_iterations, "max_iterations", "1")
+        require_positive(self.penalty, "penalty", "N/mm")
+
+    def to_config(self) -> dict[str, Any]:
+        """Plain numbers and text; the linear solver is left out, results do not depend on it."""
+        config = asdict(self)
+        del config["linear_solver"]
+        return config
+
+
+class Evaluation(Protocol):
+    """Energy and gradient at a state."""
+
+    energy: float
+    gradient: FloatArray
+
+
+class Objective(Protocol):
+    """What Newton's method needs of a problem. Vectors are over the active unknowns unless called full."""
+
+    system: ConstrainedSystem
+    active: np.ndarray
+    shift_mode: FloatArray
+    energy_floor: float
+
+    def evaluate(self, z: FloatArray) -> Any:
+        """Evaluation at the full state z; infinite energy where it is inadmissible."""
+
+    def hessian_values(self, evaluation: Any, project: bool = False) -> FloatArray:
+        """Upper-triangle values at an evaluated state."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """An equilibrium, or how far it got.
+
+    Attributes
+    ----------
+    z : full state.
+    evaluation : at z.
+    multiplier : N mm / mm, of the mean offset.
+    status : `SolveStatus`.
+    iterations : factorizations.
+    residual_norm : Euclidean norm of the constrained gradient, N.
+    negative_eigenvalues : of the unprojected Hessian on the constraint, at the last factorization.
+    """
+
+    z: FloatArray
+    evaluation: Any
+    multiplier: float
+    status: SolveStatus
+    iterations: int
+    residual_norm: float
+    negative_eigenvalues: int
+
+
+@dataclass
+class _Penalty:
+    """-lambda c.z + rho (c.z)^2 of [Eq. 9]; rho = 0 stands for the bordered system."""
+
+    multiplier: float = 0.0
+    rho: float = 0.0
+
+    def energy(self, offset: float) -> float:
+        return -self.multiplier * offset + self.rho * offset * offset
+
+    def slope(self, offset: float) -> float:
+        return -self.multiplier + 2.0 * self.rho * offset
+
+
+def solve_equilibrium(
+    problem: Objective, z: FloatArray, options: SolverOptions, multiplier: float = 0.0
+) -> Solution:
+    """Minimize the energy from the full state `z` under the mean-offset constraint."""
+    z = _make_feasible(problem, z)
+    if options.constraint == "bordered":
+        return _newton(problem, z, options, _Penalty())
+    penalty = _Penalty(multiplier, options.penalty)
+    iterations = 0
+    while True:
+        solution = _newton(problem, z, options, penalty, used=iterations)
+        iterations = solution.iterations
+        offset = float(problem.system.constraint @ solution.z[problem.active])
+        penalty.multiplier -= 2.0 * penalty.rho * offset
+        if solution.status != SolveStatus.converged:
+            return solution
+        # The multiplier's error costs (dE/d offset) x offset in energy.
+        drift = abs(2.0 * penalty.rho * offset * offset)
+        if drift <= 1e-3 * options.tolerance**2 * _scale(problem, solution.evaluation):
+            return solution
+        z = solution.z
+
+
+def _make_feasible(problem: Objective, z: FloatArray) -> FloatArray:
+    z = z.copy()
+    c = problem.system.constraint
+    z[problem.active] -= (c @ z[problem.active]) * problem.shift_mode
+    return z
+
+
+def _scale(problem: Objective, evaluation: Any) -> float:
+    return abs(evaluation.energy) + problem.energy_floor
+
+
+def _newton(
+    problem: Objective, z: FloatArray, options: SolverOptions, penalty: _Penalty, used: int = 0
+) -> Solution:
+    system, active = problem.system, problem.active
+    compliance = 0.0 if penalty.rho == 0.0 else 0.5 / penalty.rho
+    evaluation = problem.evaluate(z)
+    multiplier, negative, residual, escapes = penalty.multiplier, 0, np.inf, 0
+
+    def result(status: SolveStatus, iterations: int) -> Solution:
+        return Solution(z, evaluation, multiplier, status, iterations, residual, negative)
+
+    if not np.isfinite(evaluation.energy):
+        return result(SolveStatus.infeasible_start, used)
+    for iteration in range(used + 1, options.max_iterations + 1):
+        negative, regular = _factorize(problem, evaluation)
+        offset = float(system.constraint @ z[active])
+        gradient = evaluation.gradient + penalty.slope(offset) * system.constraint
+        target = -offset if penalty.rho == 0.0 else 0.0
+        step, mu = system.solve(-gradient, target, compliance)
+        if penalty.rho == 0.0:
+            multiplier = -mu
+            residual = float(np.linalg.norm(gradient + mu * system.constraint))
+        else:
+            residual = float(np.linalg.norm(gradient))
+        decrement = -float(gradient @ step)
+        scale = _scale(problem, evaluation)
+        small = decrement <= options.tolerance * scale
+        if small and not regular and escapes < 3:
+            escapes += 1
+            z, evaluation = _leave_saddle(problem, evaluation, z, scale)
+            continue
+        length, trial, trial_evaluation = _search(
+            problem, z, evaluation, step, decrement, penalty, settled=small
+        )
+        if length > 0.0:
+            z, evaluation = trial, trial_evaluation
+        if small:
+            return result(SolveStatus.converged, iteration)
+        if length == 0.0:
+            stalled = decrement <= 1e-6 * scale
+            return result(
+                SolveStatus.stalled if stalled else SolveStatus.line_search_failed, iteration
+            )
+    return result(SolveStatus.max_iterations, options.max_iterations)
+
+
+def _factorize(problem: Objective, evaluation: Any) -> tuple[int, bool]:
+    """Factorize; negative eigenvalues of the true Hessian, and whether it was used as it is."""
+    system = problem.system
+    negative = system.factorize(problem.hessian_values(evaluation))
+    if negative <= 0:
+        return negative, True
+    projected = problem.hessian_values(evaluation, project=True)
+    damping = 0.0
+    while system.factorize(projected, damping) > 0:
+        damping = max(1e-8, 10.0 * damping)
+        if damping > 1e4:
+            break
+    return negative, False
+
+
+def _search(
+    problem: Objective,
+    z: FloatArray,
+    evaluation: Any,
+    step: FloatArray,
+    decrement: float,
+    penalty: _Penalty,
+    settled: bool,
+) -> tuple[float, FloatArray, Any]:
+    """Halve the step until the energy falls enough; length 0 if it never does.
+
+    Energies are sums that round at about 1e-13 of themselves; a settled state is judged no finer.
+    """
+    c, active = problem.system.constraint, problem.active
+    start = evaluation.energy + penalty.energy(float(c @ z[active]))
+    slack = (1e-9 if settled else 1e-12) * abs(start) + problem.energy_floor
+    length = 1.0
+    for _ in range(40):
+        trial = z.copy()
+        trial[active] += length * step
+        found = problem.evaluate(trial)
+        value = found.energy + penalty.energy(float(c @ trial[active]))
+        if np.isfinite(value) and value <= start - 1e-4 * length * decrement + slack:
+            return length, trial, found
+        length *= 0.5
+    return 0.0, z, evaluation
+
+
+def _leave_saddle(
+    problem: Objective, evaluation: Any, z: FloatArray, scale: float
+) -> tuple[FloatArray, Any]:
+    """Step along the most negative mode until the energy is lower than at the saddle."""
+    system = problem.system
+    system.factorize(problem.hessian_values(evaluation))
+    n = len(problem.active)
+    inverse = scipy.sparse.linalg.LinearOperator((n, n), matvec=lambda r: system.solve(r)[0])
+    start = np.random.default_rng(0).standard_normal(n)
+    values, modes = scipy.sparse.linalg.eigsh(inverse, k=1, which="SA", v0=start, tol=1e-3)
+    mode, stiffness = modes[:, 0], 1.0 / float(values[0])
+    if stiffness >= 0.0:
+        return z, evaluation
+    length = np.sqrt(1e-4 * scale / -stiffness)
+    best = (z, evaluation)
+    for _ in range(12):
+        for sign in (1.0, -1.0):
+            trial = z.copy()
+            trial[problem.active] += sign * length * mode
+            found = problem.evaluate(trial)
+            if found.energy < best[1].energy:
+                best = (trial, found)
+        if best[0] is not z:
+            return best
+        length *= 0.5
+    return best

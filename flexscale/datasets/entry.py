@@ -14,6 +14,10 @@ from flexscale.errors import IntegrityError
 
 DATA_FILE = "data.nc"
 RECORD_FILE = "record.json"
+_KEYS = (
+    *("kind", "schema", "recipe", "recipe_digest", "content_digest", "inputs", "scalars"),
+    *("sizes", "samples", "failed", "code", "environment", "run", "file_sha256", "file_bytes"),
+)
 
 #: Columns of the catalog: name -> (type, unit). Rows are made of record.json alone.
 COLUMNS: dict[str, tuple[type, str]] = {
@@ -80,8 +84,9 @@ def read_record(folder: Path) -> dict[str, Any]:
     advice = f"Remove the folder {folder} and run the step again."
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        for key in ("kind", "recipe_digest", "content_digest", "file_sha256", "scalars"):
+        for key in _KEYS:
             record[key]
+        row_of_record(record, "")
     except FileNotFoundError as error:
         raise IntegrityError(f"{path} is missing. {advice}") from error
     except OSError as error:
@@ -99,22 +104,19 @@ def read_record(folder: Path) -> dict[str, Any]:
 
 def row_of_record(record: Mapping[str, Any], path: str) -> dict[str, Any]:
     """Catalog row of a record; `path` is the folder seen from its layer, with slashes."""
-    samples = record.get("samples")
-    failed = record.get("failed")
-    sizes = " ".join(f"{name}={size}" for name, size in record.get("sizes", {}).items())
-    recipe, code = record.get("recipe", {}), record.get("code", {})
+    recipe, code = record["recipe"], record["code"]
     row: dict[str, Any] = {
         "id": f"{record['kind']}:{record['recipe_digest'][:SHORT_DIGEST]}",
         "kind": record["kind"],
-        "status": "complete" if not failed else "unconverged",
-        "samples": samples,
-        "failed": failed,
-        "sizes": sizes,
-        "step": recipe.get("step"),
-        "step_version": recipe.get("version"),
-        **{name: code.get(name) for name in ("version", "commit", "dirty")},
-        "created": record.get("environment", {}).get("created"),
-        "file_bytes": record.get("file_bytes"),
+        "status": "unconverged" if record["failed"] else "complete",
+        "samples": record["samples"],
+        "failed": record["failed"],
+        "sizes": " ".join(f"{name}={size}" for name, size in record["sizes"].items()),
+        "step": recipe["step"],
+        "step_version": recipe["version"],
+        **{name: code[name] for name in ("version", "commit", "dirty")},
+        "created": record["environment"]["created"],
+        "file_bytes": record["file_bytes"],
         "recipe_digest": record["recipe_digest"],
         "content_digest": record["content_digest"],
         "path": path,

@@ -14,11 +14,20 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from flexscale.errors import MeshError, MissingSystemPartError
-from flexscale.mesh.subdivision import graded_lengths
+from flexscale.mesh.subdivision import ROUNDING
 from flexscale.mesh.wedge import CENTER, Region, fundamental_loops
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+_GMSH_TRIANGLE = 2
+_GMSH_OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.Algorithm": 6,  # frontal Delaunay
+    "Mesh.MeshSizeExtendFromBoundary": 1,
+    "Mesh.MeshSizeFromPoints": 1,
+}
 
 SAME_POINT = 1e-7  # relative to the region's size: images closer than this are one vertex
 
@@ -49,11 +58,7 @@ def fill_region(region: Region, largest: float, growth: float) -> Filling:
     """
     loops = [_with_nodes_on_jumps(region, loop, largest, growth)
              for loop in fundamental_loops(region)]
-    whole = len(region.symmetries) == 1
-    with _gmsh_model() as gmsh:
-        pieces = [_triangulate(gmsh, group, largest)
-                  for group in ([loops] if whole else [[loop] for loop in loops])]
-    points, triangles = _join(pieces)
+    points, triangles = _triangulate(loops, largest)
     return _copy_by_symmetries(region, points, triangles)
 
 
@@ -75,18 +80,23 @@ def _with_nodes_on_jumps(
 
 
 def _jump_fractions(length: float, ends: list[float], largest: float, growth: float) -> FloatArray:
-    """Inner nodes of a segment whose element sizes at the two ends are given."""
-    if length <= 1.5 * min(ends):
-        return np.zeros(0)
+    """Inner nodes of a segment whose element sizes at the two ends are given.
+
+    Sizes grow from both ends until they fill the length; stretching or shrinking them to fit
+    exactly is kept least.
+    """
     wishes: tuple[list[float], list[float]] = ([], [])
-    sizes = list(ends)
-    while sum(wishes[0]) + sum(wishes[1]) < length * (1.0 - 1e-6):
+    sizes, filled = list(ends), 0.0
+    while filled < length * (1.0 - ROUNDING):
         # The end with the smaller element grows next; of equal ones both, for symmetry.
-        low = min(sizes)
-        for k in (0, 1):
-            if sizes[k] <= low * (1.0 + 1e-6):
-                wishes[k].append(sizes[k])
-                sizes[k] = min(sizes[k] * growth, largest)
+        growing = [k for k in (0, 1) if sizes[k] <= min(sizes) * (1.0 + ROUNDING)]
+        more = filled + sum(sizes[k] for k in growing)
+        if max(filled, min(sizes)) * more > length**2 * (1.0 + ROUNDING):
+            break
+        for k in growing:
+            wishes[k].append(sizes[k])
+            sizes[k] = min(sizes[k] * growth, largest)
+        filled = more
     lengths = np.array(wishes[0] + wishes[1][::-1])
     return np.cumsum(lengths)[:-1] / lengths.sum()
 
@@ -105,15 +115,9 @@ def _gmsh_model() -> Iterator[Any]:
     if own:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
-        for option, value in (
-            ("General.Terminal", 0),
-            ("General.NumThreads", 1),
-            ("Mesh.Algorithm", 6),
-            ("Mesh.MeshSizeExtendFromBoundary", 1),
-            ("Mesh.MeshSizeFromPoints", 1),
-        ):
+        for option, value in _GMSH_OPTIONS.items():
             gmsh.option.setNumber(option, value)
-        gmsh.model.add("flexscale")
+        gmsh.model.add("flexscale tile")
         yield gmsh
         gmsh.model.remove()
     finally:
@@ -121,42 +125,38 @@ def _gmsh_model() -> Iterator[Any]:
             gmsh.finalize()
 
 
-def _triangulate(
-    gmsh: Any, loops: list[FloatArray], largest: float
-) -> tuple[FloatArray, IntArray]:
+def _triangulate(loops: list[FloatArray], largest: float) -> tuple[FloatArray, IntArray]:
     """Triangles inside closed loops of positions, the first one outside, the others holes.
 
     gmsh adds no node to the loops: each segment is a curve with two nodes.
     """
-    gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
-    geo = gmsh.model.geo
-    curves = []
-    for loop in loops:
-        ahead = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
-        sizes = 0.5 * (ahead + np.roll(ahead, 1))
-        tags = [geo.addPoint(x, y, 0.0, size)
-                for (x, y), size in zip(loop.tolist(), sizes.tolist(), strict=True)]
-        lines = [geo.addLine(a, b) for a, b in zip(tags, tags[1:] + tags[:1], strict=True)]
-        for line in lines:
-            geo.mesh.setTransfiniteCurve(line, 2)
-        curves.append(geo.addCurveLoop(lines))
-    geo.addPlaneSurface(curves)
-    geo.synchronize()
-    try:
-        gmsh.model.mesh.generate(2)
-    except Exception as error:  # gmsh raises nothing more specific
-        raise MeshError(f"gmsh could not triangulate a tile: {error}.") from error
-    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    types, _, corner_tags = gmsh.model.mesh.getElements(2)
-    corners = np.concatenate([c for t, c in zip(types, corner_tags, strict=True) if t == 2])
-    gmsh.model.mesh.clear()
-    gmsh.model.geo.remove(gmsh.model.getEntities(2), recursive=True)
-    gmsh.model.geo.synchronize()
-    order = np.argsort(node_tags)
-    triangles = np.searchsorted(node_tags[order], corners).reshape(-1, 3).astype(np.int64)
-    return coordinates.reshape(-1, 3)[order, :2], _counterclockwise(
-        coordinates.reshape(-1, 3)[order, :2], triangles
-    )
+    with _gmsh_model() as gmsh:
+        gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+        gmsh.model.geo.addPlaneSurface([_add_loop(gmsh.model.geo, loop) for loop in loops])
+        gmsh.model.geo.synchronize()
+        try:
+            gmsh.model.mesh.generate(2)
+        except Exception as error:  # gmsh raises nothing more specific
+            raise MeshError(f"gmsh could not triangulate a tile: {error}.") from error
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, corners = gmsh.model.mesh.getElementsByType(_GMSH_TRIANGLE)
+    order = np.argsort(tags)
+    points = coordinates.reshape(-1, 3)[order, :2]
+    triangles = np.searchsorted(tags[order], corners).reshape(-1, 3).astype(np.int64)
+    return points, _counterclockwise(points, triangles)
+
+
+def _add_loop(geo: Any, loop: FloatArray) -> int:
+    ahead = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+    sizes = 0.5 * (ahead + np.roll(ahead, 1))
+    tags = [
+        geo.addPoint(x, y, 0.0, size)
+        for (x, y), size in zip(loop.tolist(), sizes.tolist(), strict=True)
+    ]
+    lines = [geo.addLine(a, b) for a, b in zip(tags, tags[1:] + tags[:1], strict=True)]
+    for line in lines:
+        geo.mesh.setTransfiniteCurve(line, 2)
+    return geo.addCurveLoop(lines)
 
 
 def _counterclockwise(points: FloatArray, triangles: IntArray) -> IntArray:
@@ -166,12 +166,6 @@ def _counterclockwise(points: FloatArray, triangles: IntArray) -> IntArray:
     triangles = triangles.copy()
     triangles[negative] = triangles[negative][:, ::-1]
     return triangles
-
-
-def _join(pieces: list[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
-    starts = np.cumsum([0] + [len(points) for points, _ in pieces[:-1]])
-    triangles = [part + start for start, (_, part) in zip(starts, pieces, strict=True)]
-    return np.concatenate([points for points, _ in pieces]), np.concatenate(triangles)
 
 
 def _copy_by_symmetries(region: Region, points: FloatArray, triangles: IntArray) -> Filling:

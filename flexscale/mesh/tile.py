@@ -11,10 +11,10 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import COVERED, FREE, OUTLINE, OUTLINE_CORNER
 from flexscale.mesh.prisms import extrude
 from flexscale.mesh.prototile import Filling, fill_region
-from flexscale.mesh.strip import Ring, build_strips
+from flexscale.mesh.strip import Ring, build_strips, node_loop, polygon_nodes
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns import Prototile
-from flexscale.patterns.cell import turning_angles
+from flexscale.patterns.cell import SHARP_TURN, turning_angles
 from flexscale.patterns.outlines import mitre_points
 
 FloatArray = NDArray[np.float64]
@@ -64,7 +64,8 @@ def build_tile_mesh(
     outline = ring.points[ring.outline_nodes]
     center = prototile.polygon.mean(axis=0)
     region = make_region([outline], prototile.stabiliser, center, True)
-    under = fill_region(region, options.scale_size, options.growth)
+    extent = float(np.ptp(outline, axis=0).max())
+    under = fill_region(region, extent, options.growth)
     coarse = make_region([outline[ring.coarse]], prototile.stabiliser, center, True)
     base = fill_region(coarse, options.scale_size, options.growth)
     scale_points, tets = extrude(
@@ -75,9 +76,37 @@ def build_tile_mesh(
 
 def _build_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:
     inset = mitre_points(prototile.polygon, 0.5 * gap)
-    assert inset is not None
+    if inset is None:
+        return _free_ring(prototile, gap, options)
     turns = np.abs(turning_angles(prototile.polygon)) > STRAIGHT
     return build_strips(prototile.polygon, inset, prototile.sharp, turns, options)
+
+
+def _free_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:
+    """Ring for a tile with edges that its scale's outline has lost: triangulated by gmsh.
+
+    With two elements across the gap, the boundary nodes are all that is needed.
+    """
+    polygon, outline = prototile.polygon, prototile.outline
+    outer = node_loop(polygon, polygon_nodes(polygon, prototile.sharp, options))
+    edges = polygon_nodes(outline, np.abs(turning_angles(outline)) > SHARP_TURN, options)
+    inner = node_loop(outline, edges)
+    region = make_region(
+        [outer, inner[::-1]], prototile.stabiliser, polygon.mean(axis=0), has_center=False
+    )
+    largest = options.along if options.across == 2 else 2.0 * gap / options.across
+    filling = fill_region(region, largest, options.growth)
+    n_outer, n_inner = len(outer), len(inner)
+    starts = np.cumsum([0] + [len(edge.fractions) - 1 for edge in edges[:-1]])
+    coarse = [(start + edge.coarse) % n_inner for start, edge in zip(starts, edges, strict=True)]
+    return Ring(
+        points=filling.points,
+        triangles=filling.triangles,
+        tile_nodes=np.arange(n_outer),
+        outline_nodes=np.arange(n_outer, n_outer + n_inner)[::-1],
+        coarse=np.unique(np.concatenate(coarse)),
+        kinks=starts,
+    )
 
 
 def _assemble(

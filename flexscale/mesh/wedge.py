@@ -69,7 +69,7 @@ def fundamental_loops(region: Region) -> list[list[int]]:
     """
     mirrors = [s for s in region.symmetries if s.reverses]
     if mirrors:
-        return _between_mirrors(region, mirrors)
+        return [_between_mirrors(region, mirrors)]
     if len(region.symmetries) > 1:
         return [_between_cuts(region)]
     return _closed_loops(region)
@@ -87,68 +87,26 @@ def _closed_loops(region: Region) -> list[list[int]]:
     return loops
 
 
-def _between_mirrors(region: Region, mirrors: list[Isometry]) -> list[list[int]]:
-    angles = [0.5 * np.arctan2(m.linear[1, 0], m.linear[0, 0]) % np.pi for m in mirrors]
-    first = min(angles)
-    rays = [first + turn for turn in (0.0, np.pi / len(mirrors))]
-    directions = np.array([(np.cos(angle), np.sin(angle)) for angle in rays])
+def _between_mirrors(region: Region, mirrors: list[Isometry]) -> list[int]:
+    """The boundary between two neighboring mirror rays, closed along the rays.
+
+    A reflection of a disc fixes one arc of it, so a ray from the center crosses each boundary loop
+    once: one run of boundary segments per loop lies between the rays.
+    """
+    first = min(0.5 * np.arctan2(m.linear[1, 0], m.linear[0, 0]) % np.pi for m in mirrors)
+    angles = first + np.array([0.0, np.pi / len(mirrors)])
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     arms = region.nodes - region.center
     middles = 0.5 * (arms + arms[region.next_node])
-    inside = (_cross(directions[0], middles) > 0.0) & (_cross(middles, directions[1]) > 0.0)
-    runs = _runs(inside, region.next_node)
-    partner = _pair_along_rays(region, runs, directions, arms)
-    loops = []
-    while runs:
-        start = min(runs)
-        loop = list(runs.pop(start))
-        while True:
-            ray, node = partner[loop[-1]]
-            if node == CENTER:
-                loop.append(CENTER)
-                node = partner[CENTER, 1 - ray][1]
-            if node == start:
-                break
-            loop.extend(runs.pop(node))
-        loops.append(loop)
-    return loops
-
-
-def _runs(inside: NDArray[np.bool_], next_node: IntArray) -> dict[int, list[int]]:
-    """Longest chains of segments inside the wedge, by their first node."""
-    previous = np.empty_like(next_node)
-    previous[next_node] = np.arange(len(next_node))
-    runs = {}
+    inside = (_cross(rays[0], middles) > 0.0) & (_cross(middles, rays[1]) > 0.0)
+    previous = np.empty_like(region.next_node)
+    previous[region.next_node] = np.arange(len(previous))
+    loop: list[int] = []
     for start in np.flatnonzero(inside & ~inside[previous]):
-        chain = [int(start)]
-        while inside[chain[-1]]:
-            chain.append(int(next_node[chain[-1]]))
-        runs[int(start)] = chain
-    return runs
-
-
-def _pair_along_rays(
-    region: Region, runs: dict[int, list[int]], directions: FloatArray, arms: FloatArray
-) -> dict:
-    """Partner of each end of a run at the other end of its stretch of mirror: node -> (ray, node).
-
-    Keys for the center are (CENTER, ray).
-    """
-    ends = sorted({node for chain in runs.values() for node in (chain[0], chain[-1])})
-    one_line = abs(_cross(directions[0], directions[1])) < 1e-9
-    partner: dict = {}
-    for ray in range(1 if one_line else 2):
-        along, across = arms[ends] @ directions[ray], _cross(directions[ray], arms[ends])
-        on_ray = np.abs(across) < 1e-6 * np.abs(arms).max()
-        if not one_line:
-            on_ray &= along > 0.0
-        order = np.argsort(along[on_ray])
-        stops = [ends[k] for k in np.flatnonzero(on_ray)[order]]
-        if region.has_center and not one_line:
-            stops.insert(0, CENTER)
-        for low, high in zip(stops[::2], stops[1::2], strict=True):
-            for node, other in ((low, high), (high, low)):
-                partner[(CENTER, ray) if node == CENTER else node] = (ray, other)
-    return partner
+        loop.append(int(start))
+        while inside[loop[-1]]:
+            loop.append(int(region.next_node[loop[-1]]))
+    return loop if len(mirrors) == 1 or not region.has_center else [*loop, CENTER]
 
 
 def _between_cuts(region: Region) -> list[int]:

@@ -1,0 +1,69 @@
+"""Write a figure as PDF, PNG and JSON, byte for byte the same for the same data."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from flexscale.errors import BadInputError
+from flexscale.plotting.style import flexscale_style
+
+# Dates and program versions would make equal figures differ.
+_METADATA: dict[str, dict[str, Any]] = {
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+    "png": {"Software": None},
+}
+
+
+def save_figure(
+    figure: Figure,
+    folder: str | Path,
+    stem: str,
+    *,
+    sources: Sequence[str | Mapping[str, Any]],
+    facts: Mapping[str, Any] | None = None,
+) -> dict[str, Path]:
+    """Write `stem`.pdf, `stem`.png and `stem`.json into a folder, which is made if missing.
+
+    Parameters
+    ----------
+    figure : the figure.
+    folder, stem : where to; `stem` is a plain file name without ending.
+    sources : the datasets drawn: ids ("sweep:3f9c2e71b0aa") or mappings with id and digests.
+    facts : further JSON-able entries, for instance a caption.
+
+    Returns
+    -------
+    Paths by ending, "pdf", "png", "json". Files appear whole or not at all; the JSON comes last,
+    so that it never describes pictures that are not there.
+    """
+    if not stem or Path(stem).name != stem:
+        raise BadInputError(f"A figure cannot be named '{stem}': give a plain file name.")
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    paths = {ending: target / f"{stem}.{ending}" for ending in ("pdf", "png", "json")}
+    with flexscale_style():
+        for ending, metadata in _METADATA.items():
+            part = _part(paths[ending])
+            figure.savefig(part, format=ending, metadata=metadata)
+            os.replace(part, paths[ending])
+    listed = [dict(s) if isinstance(s, Mapping) else {"id": s} for s in sources]
+    content = {"figure": stem, "sources": listed, **(facts or {})}
+    write_text(paths["json"], json.dumps(content, indent=2, sort_keys=True, ensure_ascii=False))
+    return paths
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file whole or not at all."""
+    part = _part(path)
+    part.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    os.replace(part, path)
+
+
+def _part(path: Path) -> Path:
+    return path.with_name(f".{path.name}.{os.getpid()}.part")

@@ -1,0 +1,126 @@
+"""Which samples of a labelled dataset a figure shows, and clear refusals when it cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from flexscale.errors import BadInputError, SchemaError, UnknownNameError, suggest
+from flexscale.plotting.style import unit_text
+
+SIDES = ("closing", "opening")
+
+
+def require_variables(dataset: xr.Dataset, names: Sequence[str], what: str) -> None:
+    """Refuse a dataset that lacks variables or coordinates a figure needs.
+
+    Raises
+    ------
+    SchemaError : a name is missing.
+    """
+    missing = [name for name in names if name not in dataset.variables]
+    if missing:
+        present = ", ".join(sorted(str(name) for name in dataset.variables)) or "nothing"
+        raise SchemaError(
+            f"{what} needs {', '.join(missing)}, which this dataset does not have "
+            f"(it has {present}); give it a dataset of the right kind."
+        )
+
+
+def pick_sides(dataset: xr.Dataset, sides: str | Sequence[str] | None) -> list[str]:
+    """Sides to draw, in the order asked for; all that the dataset has when None.
+
+    Raises
+    ------
+    UnknownNameError : a side the dataset does not have.
+    """
+    present = [str(side) for side in np.atleast_1d(dataset["side"].values)]
+    if sides is None:
+        return [side for side in SIDES if side in present]
+    wanted = [sides] if isinstance(sides, str) else list(sides)
+    for side in wanted:
+        if side not in present:
+            raise UnknownNameError(
+                f"The sweep has no side '{side}'. {suggest(side, present)}",
+            )
+    return wanted
+
+
+def pick_values(
+    coordinate: xr.DataArray,
+    wanted: float | Sequence[float] | None,
+    *,
+    n_default: int,
+    skip_zero: bool = False,
+) -> np.ndarray:
+    """Indices of the samples nearest to the wanted values.
+
+    Parameters
+    ----------
+    coordinate : (n,) increasing samples, for instance `sweep.curvature`.
+    wanted : values in the coordinate's units, each within half a step of a sample; None takes at
+        most `n_default` samples in even steps.
+    n_default : number of samples when `wanted` is None.
+    skip_zero : by default take no sample at 0 (at curvature 0 the moment is 0), and step down
+        from the last sample instead of up from the first.
+
+    Returns
+    -------
+    (k,) indices into the coordinate, k >= 1.
+
+    Raises
+    ------
+    BadInputError : a wanted value lies between samples or outside of them.
+    """
+    samples = np.asarray(coordinate.values, dtype=float)
+    if wanted is None:
+        candidates = np.arange(len(samples))
+        if skip_zero and np.any(samples != 0.0):
+            candidates = np.flatnonzero(samples != 0.0)
+        stride = -(-len(candidates) // n_default)
+        return candidates[::-1][::stride][::-1] if skip_zero else candidates[::stride]
+    half_step = 0.5 * np.min(np.diff(samples)) if len(samples) > 1 else 0.0
+    tolerance = max(half_step, 1e-9) * (1.0 + 1e-9)
+    indices = []
+    for value in np.atleast_1d(np.asarray(wanted, dtype=float)):
+        index = int(np.argmin(np.abs(samples - value)))
+        if not abs(samples[index] - value) <= tolerance:
+            raise BadInputError(_between_samples(coordinate, samples, value))
+        if index not in indices:
+            indices.append(index)
+    if not indices:
+        raise BadInputError(
+            f"No {coordinate.name} was asked for: give at least one, or none to let the figure "
+            "choose."
+        )
+    return np.asarray(indices)
+
+
+def unconverged(sweep: xr.Dataset) -> xr.DataArray:
+    """True where a sample has no result (status not 0); all False without a status."""
+    if "status" in sweep:
+        return sweep["status"] != 0
+    return xr.zeros_like(sweep["moment"], dtype=bool)
+
+
+def subject(dataset: xr.Dataset) -> str:
+    """What a dataset is about, as in ``IH20 hexagon``, from its scalar coordinates."""
+    words = []
+    for name in ("family", "pattern"):
+        if name in dataset.variables and dataset[name].ndim == 0:
+            word = str(dataset[name].item())
+            if word and word not in words:
+                words.append(word)
+    return " ".join(words)
+
+
+def _between_samples(coordinate: xr.DataArray, samples: np.ndarray, value: float) -> str:
+    units = unit_text(str(coordinate.attrs.get("units", "")))
+    listed = ", ".join(f"{sample:g}" for sample in samples[:12])
+    if len(samples) > 12:
+        listed += f", … {samples[-1]:g} ({len(samples)} in all)"
+    return (
+        f"The dataset has no sample at {coordinate.name} {value:g} {units}; choose among {listed}."
+    )

@@ -5,6 +5,7 @@ from flexscale.mesh.bonds import Bonds, build_bonds
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.mesh.torus import build_mesh
+from flexscale.mesh.vtu import write_mesh, write_vtu
 
 __all__ = [
     "Bonds",
@@ -13,4 +14,6 @@ __all__ = [
     "build_bare_mesh",
     "build_bonds",
     "build_mesh",
+    "write_mesh",
+    "write_vtu",
 ]

@@ -10,8 +10,12 @@ IntArray = NDArray[np.int64]
 
 
 def extrude(
-    points: FloatArray, triangles: IntArray, ranks: IntArray, center: FloatArray,
-    height: float, n_layers: int,
+    points: FloatArray,
+    triangles: IntArray,
+    ranks: IntArray,
+    center: FloatArray,
+    height: float,
+    n_layers: int,
 ) -> tuple[FloatArray, IntArray]:
     """Tets of a prismatic scale.
 
@@ -55,8 +59,9 @@ def surface_of(tets: IntArray) -> tuple[IntArray, IntArray]:
     -------
     triangles (n_surface, 3) and the tet (n_surface,) of each.
     """
-    faces = np.concatenate([tets[:, [1, 2, 3]], tets[:, [0, 3, 2]],
-                            tets[:, [0, 1, 3]], tets[:, [0, 2, 1]]])
+    faces = np.concatenate(
+        [tets[:, [1, 2, 3]], tets[:, [0, 3, 2]], tets[:, [0, 1, 3]], tets[:, [0, 2, 1]]]
+    )
     owner = np.tile(np.arange(len(tets)), 4)
     _, inverse, counts = np.unique(
         np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True

@@ -56,8 +56,9 @@ def fill_region(region: Region, largest: float, growth: float) -> Filling:
     largest : mm, element size to grow to, away from the boundary.
     growth : ratio of neighboring sizes along mirrors and cuts.
     """
-    loops = [_with_nodes_on_jumps(region, loop, largest, growth)
-             for loop in fundamental_loops(region)]
+    loops = [
+        _with_nodes_on_jumps(region, loop, largest, growth) for loop in fundamental_loops(region)
+    ]
     points, triangles = _triangulate(loops, largest)
     return _copy_by_symmetries(region, points, triangles)
 

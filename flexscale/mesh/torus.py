@@ -139,8 +139,15 @@ def _edge_scales(topology: TorusEdges, covered_by: IntArray) -> IntArray:
 
 
 def _place_scales(placed: list[tuple[TileMesh, Isometry]]) -> dict[str, NDArray]:
-    names = ("scale_positions", "tets", "tet_scale", "base_triangles", "base_scale",
-             "surface_triangles", "surface_scale")
+    names = (
+        "scale_positions",
+        "tets",
+        "tet_scale",
+        "base_triangles",
+        "base_scale",
+        "surface_triangles",
+        "surface_scale",
+    )
     parts: dict[str, list] = {name: [] for name in names}
     start = 0
     for scale, (tile, placement) in enumerate(placed):
@@ -148,8 +155,11 @@ def _place_scales(placed: list[tuple[TileMesh, Isometry]]) -> dict[str, NDArray]
         tets = _wound(tile.tets, placement)
         surface, _ = surface_of(tets)
         parts["scale_positions"].append(np.column_stack([flat, tile.scale_points[:, 2]]))
-        for name, cells in (("tet", tets), ("surface", surface),
-                            ("base", _wound(tile.base_triangles, placement))):
+        for name, cells in (
+            ("tet", tets),
+            ("surface", surface),
+            ("base", _wound(tile.base_triangles, placement)),
+        ):
             parts["tets" if name == "tet" else f"{name}_triangles"].append(start + cells)
             parts[f"{name}_scale"].append(np.full(len(cells), scale))
         start += len(tile.scale_points)

@@ -56,9 +56,7 @@ def make_region(
         start + (np.arange(len(loop)) + 1) % len(loop)
         for start, loop in zip(starts, loops, strict=True)
     ]
-    return Region(
-        np.concatenate(loops), np.concatenate(following), symmetries, center, has_center
-    )
+    return Region(np.concatenate(loops), np.concatenate(following), symmetries, center, has_center)
 
 
 def fundamental_loops(region: Region) -> list[list[int]]:

@@ -1,7 +1,8 @@
 """Scale patterns: polygons on a lattice, gap, sizes and materials."""
 
 from flexscale.patterns.material import PETG, TPU, NeoHookean
-from flexscale.patterns.pattern import Pattern, Prototile, TileCopy
+from flexscale.patterns.pattern import Pattern
+from flexscale.patterns.prototiles import Prototile, TileCopy
 from flexscale.patterns.symmetry import Isometry
 
 __all__ = ["PETG", "TPU", "Isometry", "NeoHookean", "Pattern", "Prototile", "TileCopy"]

@@ -73,9 +73,7 @@ def build_cell(tiles: list[ArrayLike], t1: ArrayLike, t2: ArrayLike) -> TiledCel
     polygons = [_insert_junctions(p, polygons, lattice, 2.0 * tolerance) for p in polygons]
     classes = corner_classes(polygons, lattice, tolerance)
     _check_edge_partners(polygons, classes, lattice)
-    return TiledCell(
-        tuple(polygons), tuple(_sharp_corners(polygons, classes)), lattice, tolerance
-    )
+    return TiledCell(tuple(polygons), tuple(_sharp_corners(polygons, classes)), lattice, tolerance)
 
 
 def polygon_area(polygon: FloatArray) -> float:

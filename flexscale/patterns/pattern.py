@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -12,38 +12,12 @@ from numpy.typing import ArrayLike
 from flexscale.errors import PatternError, suggest
 from flexscale.patterns.cell import TiledCell, build_cell
 from flexscale.patterns.material import PETG, TPU, NeoHookean
-from flexscale.patterns.outlines import scale_outline
-from flexscale.patterns.symmetry import BoolArray, FloatArray, Isometry, polygon_isometries
+from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
+from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
 from flexscale.units import require_positive
 
 CUSTOM = "custom"
-
-
-@dataclass(frozen=True)
-class Prototile:
-    """One shape of tile, as it is copied about.
-
-    Attributes
-    ----------
-    polygon : (n, 2) counterclockwise corners, all tiling vertices included, mm.
-    sharp : (n,) flags of corners that deserve small elements.
-    stabiliser : isometries that carry the tile onto itself, the identity first.
-    outline : (m, 2) counterclockwise outline of its scale, mm.
-    """
-
-    polygon: FloatArray
-    sharp: BoolArray
-    stabiliser: tuple[Isometry, ...]
-    outline: FloatArray
-
-
-@dataclass(frozen=True)
-class TileCopy:
-    """A tile of the cell: which prototile, and the isometry that carries it there."""
-
-    prototile: int
-    placement: Isometry
 
 
 class Pattern:
@@ -86,6 +60,7 @@ class Pattern:
     lattice: FloatArray
     prototiles: tuple[Prototile, ...]
     copies: tuple[TileCopy, ...]
+    _given: tuple[tuple[FloatArray, ...], FloatArray]
 
     def __init__(
         self,
@@ -138,7 +113,9 @@ class Pattern:
         cell = build_cell(list(tiles), t1, t2)
         sizes = (gap, scale_height, substrate_thickness)
         pattern._fill(cell, name, sizes, scale_material, substrate_material)
-        pattern._set(family=CUSTOM, tiling=None)
+        # Kept as given: rebuilding from the corners merged here would move the last bits.
+        given = tuple(np.array(tile, dtype=float) for tile in tiles)
+        pattern._set(family=CUSTOM, tiling=None, _given=(given, np.array([t1, t2], dtype=float)))
         return pattern
 
     def _fill(
@@ -154,7 +131,7 @@ class Pattern:
             if not isinstance(material, NeoHookean):
                 raise PatternError(f"A material must be a NeoHookean, not {material!r}.")
         gap = require_positive(gap, "gap", "mm")
-        prototiles, copies = _find_prototiles(cell, gap)
+        prototiles, copies = find_prototiles(cell, gap)
         self._set(
             name=str(name),
             gap=gap,
@@ -209,7 +186,8 @@ class Pattern:
         kept = {key: getattr(self, key) for key in known} | changes
         if self.tiling:
             return Pattern(**kept)
-        return Pattern.from_polygons(self.tiles, *self.lattice, **kept)
+        tiles, lattice = self._given
+        return Pattern.from_polygons(tiles, *lattice, **kept)
 
     def to_config(self) -> dict[str, Any]:
         """All that defines the pattern, in plain numbers, texts, lists and dicts (mm, MPa)."""
@@ -218,8 +196,9 @@ class Pattern:
             config["parameters"] = list(self.tiling.parameters)
             config["tile_area"] = self.tile_area
         else:
-            config["tiles"] = [tile.tolist() for tile in self.tiles]
-            config["lattice"] = self.lattice.tolist()
+            tiles, lattice = self._given
+            config["tiles"] = [tile.tolist() for tile in tiles]
+            config["lattice"] = lattice.tolist()
         config |= {key: getattr(self, key) for key in _SIZES}
         return config | {key: asdict(getattr(self, key)) for key in _MATERIALS}
 
@@ -237,12 +216,14 @@ class Pattern:
                 )
         for key in _MATERIALS:
             if key in values:
-                values[key] = NeoHookean(**values[key])
+                values[key] = _material(key, values[key])
         if family != CUSTOM:
             return cls(Tiling(family, values.pop("parameters", None)), **values)
         if not shape <= values.keys():
             raise PatternError("A custom pattern needs the keys 'tiles' and 'lattice'.")
         tiles, lattice = values.pop("tiles"), values.pop("lattice")
+        if len(lattice) != 2:
+            raise PatternError("The key 'lattice' of a custom pattern must hold two vectors in mm.")
         return cls.from_polygons(tiles, *lattice, **values)
 
     def __eq__(self, other: object) -> bool:
@@ -252,29 +233,22 @@ class Pattern:
         return hash((self.name, self.family, self.gap, self.scale_height, self.n_scales))
 
     def __repr__(self) -> str:
-        return f"Pattern({self.name!r}, {self.family}, {self.n_scales} scale(s), gap {self.gap:g} mm)"
+        return (
+            f"Pattern({self.name!r}, {self.family}, {self.n_scales} scale(s), gap {self.gap:g} mm)"
+        )
 
 
 _SIZES = ("gap", "scale_height", "substrate_thickness")
 _MATERIALS = ("scale_material", "substrate_material")
 
 
-def _find_prototiles(
-    cell: TiledCell, gap: float
-) -> tuple[tuple[Prototile, ...], tuple[TileCopy, ...]]:
-    """Sort the tiles by congruence, corners and their sharpness included."""
-    tolerance = 10.0 * cell.tolerance
-    prototiles: list[Prototile] = []
-    copies: list[TileCopy] = []
-    for number, (polygon, sharp) in enumerate(zip(cell.tiles, cell.sharp, strict=True)):
-        for index, known in enumerate(prototiles):
-            found = polygon_isometries(known.polygon, known.sharp, polygon, sharp, tolerance)
-            if found:
-                copies.append(TileCopy(index, found[0]))
-                break
-        else:
-            stabiliser = polygon_isometries(polygon, sharp, polygon, sharp, tolerance)
-            outline = scale_outline(polygon, gap, number)
-            copies.append(TileCopy(len(prototiles), stabiliser[0]))
-            prototiles.append(Prototile(polygon, sharp, tuple(stabiliser), outline))
-    return tuple(prototiles), tuple(copies)
+def _material(key: str, given: Any) -> NeoHookean:
+    """A material as `to_config` writes it."""
+    if isinstance(given, NeoHookean):
+        return given
+    if not isinstance(given, Mapping) or set(given) != {"young_modulus", "poisson_ratio"}:
+        raise PatternError(
+            f"{key} must have exactly the keys 'young_modulus' (MPa) and 'poisson_ratio', "
+            f"not {given!r}."
+        )
+    return NeoHookean(**given)

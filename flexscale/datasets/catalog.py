@@ -57,6 +57,8 @@ def update_catalog(layer: Path, changed: Collection[str] = (), *, rebuild: bool 
             rows, _, stale = _reconciled(layer, changed=changed, rebuild=rebuild)
             if stale:
                 path = layer / CATALOG_FILE
+                for abandoned in layer.glob(f".{CATALOG_FILE}.*"):
+                    abandoned.unlink()  # of a killed process: only holders of the lock make them
                 write_atomically(path, lambda file: _write_rows(file, rows))
     except (OSError, DatasetError) as error:
         logger.warning("%s was not updated: %s", layer / CATALOG_FILE, error)

@@ -60,7 +60,10 @@ def write_payload(folder: Path, dataset: xr.Dataset, kind: str, facts: dict[str,
         for name, variable in dataset.variables.items()
         if variable.size > 256 and variable.dtype.kind in "fi"
     }
-    dataset.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    try:
+        dataset.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    except RuntimeError as error:  # how the netCDF library reports a full disk
+        raise OSError(str(error)) from error
     stored = read_netcdf(path)
     check_dataset(stored, kind)
     if content_digest(stored) != facts["content_digest"] or not stored.identical(dataset):

@@ -77,6 +77,7 @@ def environment() -> dict[str, Any]:
     }
 
 
+@functools.cache
 def _version(library: str) -> str:
     try:
         return importlib.metadata.version(library)

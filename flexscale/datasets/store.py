@@ -29,7 +29,7 @@ from flexscale.datasets.locks import STAGING, working_folder
 from flexscale.datasets.provenance import environment
 from flexscale.datasets.schema import SCALARS, SCHEMAS, schema_of
 from flexscale.datasets.staging import FileCheckpoint, sync
-from flexscale.errors import NonReproducibleError, SchemaError
+from flexscale.errors import DatasetError, NonReproducibleError, SchemaError
 from flexscale.status import SolveStatus
 
 __all__ = ["Entry", "Store"]
@@ -102,29 +102,41 @@ class Store:
         ------
         SchemaError : the dataset is not a valid one of its kind.
         NonReproducibleError : the same recipe was published with other numbers.
+        DatasetError : the disk is full, or the folder not writable.
         """
         complete = _with_attributes(dataset, kind, recipe, inputs)
         check_dataset(complete, kind)
         facts = _record_of(complete, kind, recipe, inputs, record or {})
         path = _place(facts)
         target = self.local / path
+        try:
+            self._move_into_place(complete, kind, facts, target)
+        except OSError as error:
+            raise DatasetError(
+                f"{target} cannot be written: {error.strerror or error}. "
+                "Check the disk's free space and your permissions; nothing was left there."
+            ) from error
+        update_catalog(self.local, changed=[path])
+        self.checkpoint(recipe, inputs).clear()
+        return entry_of_folder(target, self.local)
+
+    def _move_into_place(
+        self, dataset: xr.Dataset, kind: str, facts: dict[str, Any], target: Path
+    ) -> None:
+        """Write beside, verify, rename; equal content that is there already stays."""
         with working_folder(self.local) as work:
             payload = work / target.name
             payload.mkdir()
-            write_payload(payload, complete, kind, facts)
+            write_payload(payload, dataset, kind, facts)
             target.parent.mkdir(parents=True, exist_ok=True)
             try:
                 os.rename(payload, target)
             except OSError as error:
                 if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
                     raise
-                _require_equal(
-                    complete, facts["content_digest"], entry_of_folder(target, self.local)
-                )
+                existing = entry_of_folder(target, self.local)
+                _require_equal(dataset, facts["content_digest"], existing)
             sync(target.parent)
-        update_catalog(self.local, changed=[path])
-        self.checkpoint(recipe, inputs).clear()
-        return entry_of_folder(target, self.local)
 
     def load(self, entry: Entry) -> xr.Dataset:
         """The dataset in memory, its file verified; no file stays open.

@@ -106,7 +106,7 @@ def _join(value: Any, arrays: Any) -> Any:
 def _read_sample(path: Path) -> dict[str, Any] | None:
     """Sample in a file, None when the file is missing or damaged."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             structure = json.loads(stored["structure"].tobytes().decode())
             sample: dict[str, Any] = _join(structure, stored)
             return sample

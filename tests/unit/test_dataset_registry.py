@@ -1,0 +1,234 @@
+"""Queries, and the catalog as a cache that may be lost, stale or damaged."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from flexscale.datasets.catalog import CATALOG_FILE, update_catalog
+from flexscale.datasets.identity import Recipe
+from flexscale.datasets.registry import Registry, between, open_registry
+from flexscale.datasets.store import Store
+from flexscale.errors import MissingDataError, UnitRangeError, UnknownNameError
+from tests.unit.dataset_samples import cell, recipe, sweep
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three sweeps and a cell; do not change it."""
+    root = tmp_path_factory.mktemp("results")
+    store = Store(root)
+    store.publish(cell(), "cell", recipe())
+    store.publish(sweep(), "sweep", recipe())
+    store.publish(sweep(gap=0.5, failed=True), "sweep", recipe(gap=0.5))
+    store.publish(sweep(family="IH76", pattern="square"), "sweep", recipe(family="IH76"))
+    return root
+
+
+@pytest.fixture
+def registry(root: Path) -> Registry:
+    return open_registry(root)
+
+
+def test_no_criteria_mean_everything_sorted(registry: Registry) -> None:
+    kinds = [(entry.kind, entry.row["family"]) for entry in registry.find()]
+    assert kinds == [("cell", "IH20"), ("sweep", "IH20"), ("sweep", "IH20"), ("sweep", "IH76")]
+
+
+def test_find_by_value_list_range_and_status(registry: Registry) -> None:
+    assert len(registry.find(kind="sweep", family="IH20")) == 2
+    assert len(registry.find(pattern=["hexagon", "square"])) == 4
+    assert len(registry.find(kind="sweep", gap=0.5)) == 1
+    assert len(registry.find(kind="sweep", gap=between(0.3, 0.5, "mm"))) == 3
+    assert len(registry.find(kind="sweep", gap=between(0.41, 0.49, "mm"))) == 0
+    assert len(registry.find(kind="sweep", status="complete")) == 2
+    assert len(registry.find(kind="sweep").find(gap=0.5).find(family="IH76")) == 0
+    assert len(registry.find(kind="tangent")) == 0, "a known kind without datasets is no error"
+
+
+def test_selections_do_not_change(registry: Registry) -> None:
+    everything = registry.find()
+    everything.find(kind="cell")
+    assert len(everything) == 4
+    assert everything[1:3].table().shape[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("criteria", "words"),
+    [
+        ({"patern": "square"}, "Did you mean 'pattern'"),
+        ({"pattern": "hexagonn"}, "Did you mean 'hexagon'"),
+        ({"kind": "swep"}, "Did you mean 'sweep'"),
+        ({"status": "done"}, "Known: 'complete', 'unconverged'"),
+    ],
+)
+def test_unknown_names_get_suggestions(registry: Registry, criteria, words: str) -> None:
+    with pytest.raises(UnknownNameError, match=words):
+        registry.find(**criteria)
+
+
+def test_ranges_are_checked(registry: Registry) -> None:
+    with pytest.raises(UnitRangeError, match="gap is in mm; a range in cm"):
+        registry.find(gap=between(0.03, 0.05, "cm"))
+    with pytest.raises(UnitRangeError, match="pattern is text"):
+        registry.find(pattern=between(0, 1, "mm"))
+    with pytest.raises(UnitRangeError, match="lower to its upper"):
+        between(0.5, 0.3, "mm")
+    with pytest.raises(UnitRangeError, match="gap must be a number in mm"):
+        registry.find(gap="0.4")
+
+
+def test_one_loads_the_only_dataset_or_lists_candidates(registry: Registry) -> None:
+    assert isinstance(registry.one(kind="sweep", pattern="square"), xr.Dataset)
+    with pytest.raises(MissingDataError, match="2 datasets") as caught:
+        registry.one(kind="sweep", pattern="hexagon")
+    assert "gap=0.4" in str(caught.value)
+    assert "gap=0.5" in str(caught.value)
+    with pytest.raises(MissingDataError, match="No dataset meets"):
+        registry.one(kind="tangent")
+
+
+def test_short_ids(registry: Registry) -> None:
+    entry = registry.find(kind="cell").one()
+    assert registry.get(entry.id) == entry
+    assert registry.get(entry.id[:9]) == entry
+    square = registry.find(pattern="square").one()
+    assert registry.load(square.recipe_digest[:8])["pattern"] == "square"
+    with pytest.raises(MissingDataError, match="not unique"):
+        registry.get(entry.recipe_digest[:8])  # a sweep of the same recipe shares the digits
+    with pytest.raises(MissingDataError, match="no dataset 'sweep:zzzz'"):
+        registry.get("sweep:zzzz")
+    with pytest.raises(MissingDataError, match="no dataset ''"):
+        registry.get("")
+
+
+def test_tables_have_units_in_their_header(registry: Registry) -> None:
+    table = registry.table()
+    assert table.loc[registry.find(kind="cell").one().id, "gap [mm]"] == 0.4
+    assert "tile_area [mm2]" not in table.columns, "empty columns are left out"
+
+
+def test_the_registry_shows_itself(registry: Registry) -> None:
+    lines = repr(registry).splitlines()
+    assert "4 datasets" in lines[0]
+    assert lines[-1].split() == ["sweep", "IH76", "1", "0"]
+    assert "<td>IH20</td><td>2</td><td>1</td>" in registry._repr_html_()
+
+
+def test_an_empty_folder_is_fine_until_one_asks_for_something(tmp_path: Path) -> None:
+    registry = open_registry(tmp_path / "nothing")
+    assert len(registry.find()) == 0
+    with pytest.raises(MissingDataError, match="no dataset yet"):
+        registry.find(pattern="hexagon")
+    assert not (tmp_path / "nothing").exists()
+
+
+def rows(root: Path) -> list[dict[str, object]]:
+    return open_registry(root).find().rows()
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        Path.unlink,
+        lambda path: path.write_text(""),
+        lambda path: path.write_bytes(b"\xff\xfe\x00"),
+        lambda path: path.write_text(path.read_text().replace("complete,18", "complete,many")),
+        lambda path: path.write_text(path.read_text()[:-40]),
+        lambda path: path.write_text("\n".join(path.read_text().splitlines()[:-2]) + "\n"),
+    ],
+)
+def test_losing_the_catalog_loses_nothing(tmp_path: Path, damage) -> None:
+    store = Store(tmp_path)
+    store.publish(cell(), "cell", recipe())
+    store.publish(sweep(), "sweep", recipe())
+    before = rows(tmp_path)
+    text = (store.local / CATALOG_FILE).read_text()
+    damage(store.local / CATALOG_FILE)
+    assert rows(tmp_path) == before
+    update_catalog(store.local)
+    assert (store.local / CATALOG_FILE).read_text() == text
+
+
+def test_removed_and_copied_folders_are_noticed(tmp_path: Path) -> None:
+    first, second = Store(tmp_path / "first"), Store(tmp_path / "second")
+    entry = first.publish(sweep(), "sweep", recipe())
+    second.publish(cell(), "cell", recipe())
+    target = second.local / entry.row["path"]
+    target.parent.mkdir(parents=True)
+    entry.folder.rename(target)
+    assert len(open_registry(first.root)) == 0
+    assert [item.kind for item in open_registry(second.root)] == ["cell", "sweep"]
+
+
+def test_a_recomputed_dataset_replaces_its_row(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    old = store.publish(sweep(), "sweep", recipe())
+    for path in old.folder.iterdir():
+        path.unlink()
+    new = store.publish(sweep(factor=2.0), "sweep", recipe())
+    assert old.content_digest != new.content_digest
+    assert open_registry(tmp_path).get(old.id).content_digest == new.content_digest
+
+
+def test_reindex_repairs_an_edited_catalog(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.publish(sweep(), "sweep", recipe())
+    path = store.local / CATALOG_FILE
+    path.write_text(path.read_text().replace("hexagon,complete", "octagon,complete"))
+    registry = open_registry(tmp_path)
+    assert len(registry.find(pattern="octagon")) == 1
+    assert len(registry.reindex().find(pattern="hexagon")) == 1
+
+
+N_ROWS = 10_000
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results folder with records of 10,000 sweeps (no data files)."""
+    root = tmp_path_factory.mktemp("large")
+    store = Store(root)
+    entry = store.publish(sweep(), "sweep", recipe())
+    record = store.record(entry)
+    for index in range(1, N_ROWS):
+        digest = Recipe("sweep", 1, {"index": index}).digest()
+        pattern = f"pattern{index % 100}"
+        record["scalars"].update(family=f"IH{index % 93 + 1:02d}", pattern=pattern, gap=index / 1e4)
+        record["recipe_digest"] = digest
+        folder = store.local / "sweep" / record["scalars"]["family"] / pattern / digest[:12]
+        folder.mkdir(parents=True)
+        (folder / "record.json").write_text(json.dumps(record))
+    update_catalog(store.local)
+    return root
+
+
+def test_ten_thousand_datasets_are_found_fast_without_opening_a_file(large: Path) -> None:
+    opened: list[str] = []
+    watching = False
+
+    def hook(event: str, arguments: tuple[object, ...]) -> None:
+        if watching and event in ("open", "os.scandir", "os.listdir"):
+            opened.append(str(arguments[0]))
+
+    sys.addaudithook(hook)
+    watching = True
+    registry = open_registry(large)
+    watching = False
+    assert not [name for name in opened if name.endswith((".json", ".nc"))]
+    assert len(registry) == N_ROWS
+    opened.clear()
+    watching = True
+    start = time.process_time()
+    found = registry.find(kind="sweep", family="IH20", gap=between(0.2, 0.8, "mm"))
+    seconds = time.process_time() - start
+    watching = False
+    assert opened == []
+    assert 60 < len(found) < 70
+    # Allowed are 50 ms; the processor time counts, since tests share the machine.
+    assert seconds < 0.05

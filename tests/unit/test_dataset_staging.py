@@ -1,0 +1,100 @@
+"""Checkpoints: bit-exact, tolerant of damage, safe names."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexscale.datasets.staging import FileCheckpoint
+from flexscale.errors import BadInputError
+
+
+def samples(number: int) -> list[dict[str, object]]:
+    rng = np.random.default_rng(3)
+    return [
+        {
+            "curvature": 0.1 * index / 3.0,
+            "status": index,
+            "failed": None,
+            "state": {"positions": rng.random((4, 3)), "tiny": np.array(5e-324)},
+        }
+        for index in range(number)
+    ]
+
+
+def test_samples_come_back_bit_for_bit(tmp_path: Path) -> None:
+    written = samples(3)
+    checkpoint = FileCheckpoint(tmp_path)
+    for sample in written:
+        checkpoint.append("closing 30.0", sample)
+    for loaded, sample in zip(FileCheckpoint(tmp_path).load("closing 30.0"), written, strict=True):
+        assert loaded.keys() == sample.keys()
+        assert loaded["curvature"] == sample["curvature"]
+        for name, array in sample["state"].items():  # type: ignore[attr-defined]
+            assert loaded["state"][name].dtype == array.dtype
+            assert loaded["state"][name].tobytes() == array.tobytes()
+
+
+def test_lines_do_not_mix_and_no_key_leaves_the_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "inside"
+    keys = ["closing 0", "opening 0", "../../escape", "..", "a/b", ""]
+    checkpoint = FileCheckpoint(folder)
+    for key in keys:
+        checkpoint.append(key, {"key": key})
+    for key in keys:
+        assert FileCheckpoint(folder).load(key) == [{"key": key}]
+    assert [path.name for path in tmp_path.iterdir()] == ["inside"]
+    assert FileCheckpoint(folder).load("unknown") == []
+
+
+@pytest.mark.parametrize("damaged", [0, 1, 2])
+@pytest.mark.parametrize("cut", [0, 10, 200])
+def test_damage_and_what_follows_is_ignored_and_overwritten(
+    tmp_path: Path, damaged: int, cut: int
+) -> None:
+    checkpoint = FileCheckpoint(tmp_path)
+    for index in range(3):
+        checkpoint.append("line", {"index": index})
+    path = sorted(tmp_path.rglob("*.npz"))[damaged]
+    path.write_bytes(path.read_bytes()[:cut])
+    fresh = FileCheckpoint(tmp_path)
+    assert fresh.load("line") == [{"index": index} for index in range(damaged)]
+    for index in range(damaged, 3):
+        fresh.append("line", {"index": index, "again": True})
+    assert [item["index"] for item in FileCheckpoint(tmp_path).load("line")] == [0, 1, 2]
+
+
+def test_a_flipped_bit_is_damage(tmp_path: Path) -> None:
+    checkpoint = FileCheckpoint(tmp_path)
+    checkpoint.append("line", {"state": np.arange(100.0)})
+    path = next(tmp_path.rglob("*.npz"))
+    data = bytearray(path.read_bytes())
+    data[data.index(np.float64(50.0).tobytes())] ^= 1
+    path.write_bytes(data)
+    assert FileCheckpoint(tmp_path).load("line") == []
+
+
+def test_appending_without_loading_continues_the_line(tmp_path: Path) -> None:
+    FileCheckpoint(tmp_path).append("line", {"index": 0})
+    pickle.loads(pickle.dumps(FileCheckpoint(tmp_path))).append("line", {"index": 1})
+    assert FileCheckpoint(tmp_path).load("line") == [{"index": 0}, {"index": 1}]
+
+
+def test_clear_forgets_everything(tmp_path: Path) -> None:
+    checkpoint = FileCheckpoint(tmp_path / "lines")
+    checkpoint.append("line", {"index": 0})
+    checkpoint.clear()
+    assert checkpoint.load("line") == []
+    checkpoint.append("line", {"index": 5})
+    assert checkpoint.load("line") == [{"index": 5}]
+
+
+def test_what_cannot_come_back_is_refused(tmp_path: Path) -> None:
+    checkpoint = FileCheckpoint(tmp_path)
+    for value in (object(), np.array([None]), {1, 2}):
+        with pytest.raises(BadInputError, match="cannot hold"):
+            checkpoint.append("line", {"value": value})
+    assert not list(tmp_path.rglob("*.npz"))

@@ -25,8 +25,8 @@ class MeshOptions:
     """
 
     across: int = 2
-    along: float = 1.0
-    corner: float = 0.2
+    along: float = 0.8
+    corner: float = 0.25
     growth: float = 1.6
     across_grading: float = 1.0
     scale_size: float = 2.0

@@ -21,7 +21,7 @@ def extrude(
 
     The quadrilateral above a base edge is cut by the diagonal that starts below the edge's lower
     vertex, lower in rank; of two vertices of one rank, lower is the one from which the other lies
-    counterclockwise about the center. Ranks are orbits of the tile's symmetries. Two vertices of one
+    counterclockwise about the center. Ranks are orbits of the tile's symmetries. Two vertices of a
     rank share an edge only where the symmetries are rotations alone, which keep that sense.
 
     Parameters

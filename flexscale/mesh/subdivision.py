@@ -50,7 +50,7 @@ def subdivide_edge(
 
 
 def graded_lengths(total: float, first: float, growth: float, largest: float) -> FloatArray:
-    """Element lengths that start near `first`, grow by `growth` to `largest`, and add up to `total`.
+    """Element lengths from `first` on, growing by `growth` to `largest`, that add up to `total`.
 
     Returns
     -------

@@ -84,7 +84,7 @@ class Pattern:
         cell = build_cell([factor * tile for tile in tiling.tiles], *lattice)
         sizes = (gap, scale_height, substrate_thickness)
         self._fill(cell, name or tiling.pattern_name, sizes, scale_material, substrate_material)
-        self._set(family=tiling.family, tiling=tiling)
+        self._set(family=tiling.family, tiling=tiling, tile_area=float(tile_area))
 
     @classmethod
     def from_polygons(

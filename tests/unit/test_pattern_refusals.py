@@ -1,0 +1,114 @@
+"""Bad polygons, gaps, sizes and materials get one clear sentence, before any meshing."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexscale.errors import BadInputError, PatternError, TilingError, UnitRangeError
+from flexscale.patterns import NeoHookean, Pattern
+from flexscale.tilings import Tiling
+from tests.unit.pattern_shapes import SQUARE, custom
+
+# Two blocks joined by a neck 1 mm wide, and the piece between the necks of two of them.
+DUMBBELL = [(0, 0), (4, 0), (4, 3.5), (6, 3.5), (6, 0), (10, 0), (10, 8), (6, 8), (6, 4.5),
+            (4, 4.5), (4, 8), (0, 8)]  # fmt: skip
+BETWEEN = [(4, 4.5), (6, 4.5), (6, 11.5), (4, 11.5)]
+
+POLYGONS = {
+    "crossing": ([[(0, 0), (10, 10), (10, 0), (0, 10)]], (10, 0), (0, 10), "Self-intersection"),
+    "too few corners": ([[(0, 0), (10, 0), (10, 0)]], (10, 0), (0, 10), "2 distinct corners"),
+    "a line": ([[(0, 0), (10, 0), (20, 0)]], (10, 0), (0, 10), "simple polygon"),
+    "not numbers": ([[(0, 0), (10, float("nan")), (0, 10)]], (10, 0), (0, 10), "finite"),
+    "not points": ([["a", "b"]], (10, 0), (0, 10), "list of (x, y) corners"),
+    "no tile": ([], (10, 0), (0, 10), "at least one tile"),
+    "holes": ([SQUARE], (10, 0), (0, 11), "leave holes"),
+    "overlap": ([SQUARE], (10, 0), (0, 9), "overlap"),
+    "right area, wrong place": (
+        [SQUARE, [(13, 1), (23, 1), (23, 11), (13, 11)]],
+        (20, 0),
+        (0, 10),
+        "do not cover the plane: the edge of tile",
+    ),
+    "parallel lattice": ([SQUARE], (10, 0), (20, 0), "parallel"),
+    "half a lattice": ([SQUARE], (10, 0), (0,), "two finite numbers"),
+}
+
+
+@pytest.mark.parametrize("case", list(POLYGONS))
+def test_polygons(case: str) -> None:
+    tiles, t1, t2, words = POLYGONS[case]
+    with pytest.raises(PatternError) as caught:
+        custom(tiles, t1, t2)
+    assert words in str(caught.value)
+    assert caught.value.exit_code == 2
+
+
+def test_gap_at_which_the_scale_vanishes() -> None:
+    with pytest.raises(
+        PatternError, match=r"11 mm is too wide for tile 0 .*vanishes.* below 10 mm"
+    ):
+        Pattern(Tiling("IH76"), gap=11.0)
+
+
+def test_gap_at_which_the_scale_falls_apart() -> None:
+    tiles = [DUMBBELL, BETWEEN]
+    assert custom(tiles, (10, 0), (0, 8), gap=0.9).n_scales == 2
+    with pytest.raises(PatternError, match=r"for tile 0 .*falls apart into 2 pieces.* below 1 mm"):
+        custom(tiles, (10, 0), (0, 8), gap=1.2)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("gap", 0.0, "gap is 0 mm"),
+        ("gap", float("nan"), "finite"),
+        ("scale_height", -4.0, "scale height is -4 mm"),
+        ("substrate_thickness", 0.0, "substrate thickness is 0 mm"),
+        ("tile_area", -1.0, "tile area is -1 mm²"),
+    ],
+)
+def test_sizes(key: str, value: float, words: str) -> None:
+    with pytest.raises(UnitRangeError, match=words):
+        Pattern(Tiling("IH76"), **{key: value})
+
+
+@pytest.mark.parametrize(
+    ("modulus", "ratio", "words"),
+    [
+        (0.0, 0.3, "Young's modulus is 0 MPa"),
+        (26.0, 0.5, "below 0.5"),
+        (26.0, -1.0, "above -1"),
+        (26.0, float("inf"), "finite"),
+    ],
+)
+def test_materials(modulus: float, ratio: float, words: str) -> None:
+    with pytest.raises(UnitRangeError, match=words):
+        NeoHookean(young_modulus=modulus, poisson_ratio=ratio)
+
+
+@pytest.mark.parametrize(
+    ("config", "words"),
+    [
+        ({"family": "IH76", "gapp": 0.4}, "Did you mean 'gap'"),
+        ({"family": "IH76", "tiles": []}, "no key 'tiles'"),
+        ({"family": "IH77"}, "IH77"),
+        ({"family": "custom"}, "'tiles' and 'lattice'"),
+        ({"tiles": [SQUARE], "lattice": [(10, 0)]}, "two vectors"),
+        ({"family": "IH76", "scale_material": {"young_modulus": 1.0}}, "'poisson_ratio'"),
+    ],
+)
+def test_configurations(config: dict, words: str) -> None:
+    with pytest.raises((PatternError, TilingError)) as caught:
+        Pattern.from_config(config)
+    assert words in str(caught.value)
+
+
+def test_wrong_kinds_of_arguments() -> None:
+    with pytest.raises(BadInputError, match="Tiling"):
+        Pattern("IH76")
+    with pytest.raises(BadInputError, match="NeoHookean"):
+        Pattern(Tiling("IH76"), scale_material=2020.0)
+    with pytest.raises(BadInputError, match="Did you mean 'gap'"):
+        Pattern(Tiling("IH76")).with_(gaps=1.0)
+    with pytest.raises(BadInputError, match="no parameter 'tile_area'"):
+        custom([SQUARE], (10, 0), (0, 10)).with_(tile_area=1.0)

@@ -1,0 +1,128 @@
+"""`flexscale data`: list, show, verify and export datasets."""
+
+from __future__ import annotations
+
+import json as json_module
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flexscale.cli.options import Json, Quiet, Results
+from flexscale.errors import ConfigError, IntegrityError
+
+if TYPE_CHECKING:
+    from flexscale.datasets.registry import Registry
+
+app = typer.Typer(
+    help="List, show, verify and export datasets.", no_args_is_help=True, rich_markup_mode=None
+)
+
+Identifier = Annotated[str, typer.Argument(help="Id from `data list`; may be shortened.")]
+
+
+@app.command("list")
+def list_(
+    criteria: Annotated[
+        list[str] | None,
+        typer.Argument(help="KEY=VALUE, such as kind=sweep family=IH20 gap=0.4."),
+    ] = None,
+    results: Results = Path("results"),
+    json: Json = False,
+) -> None:
+    """List the datasets that meet all criteria."""
+    registry = _open(results)
+    selection = registry.find(**dict(_criterion(text) for text in criteria or []))
+    if json:
+        _print_json(selection.rows())
+    elif selection:
+        columns = ("id", "family", "pattern", "status", "samples", "failed", "created")
+        rows = [
+            ["" if row[key] is None else str(row[key]) for key in columns]
+            for row in selection.rows()
+        ]
+        _print_columns([list(columns), *rows])
+    else:
+        print(f"No datasets in {results} meet this.", file=sys.stderr)
+
+
+@app.command()
+def show(dataset: Identifier, results: Results = Path("results"), json: Json = False) -> None:
+    """Show what a dataset holds and where it came from."""
+    from flexscale.datasets.export import describe, describe_text
+
+    entry = _open(results).get(dataset)
+    if json:
+        _print_json(describe(entry))
+    else:
+        sys.stdout.write(describe_text(entry) + "\n")
+
+
+@app.command()
+def check(results: Results = Path("results"), json: Json = False, quiet: Quiet = False) -> None:
+    """Verify every file, digest and schema again; exit code 4 if anything is wrong."""
+    from flexscale.datasets.audit import check_results
+
+    findings = []
+    for finding in check_results(results):
+        findings.append(finding)
+        if not json and not (quiet and finding.level != "problem"):
+            sys.stdout.write(f"{finding.level:<8} {finding.subject}  {finding.message}\n")
+    if json:
+        _print_json([vars(finding) for finding in findings])
+    problems = sum(finding.level == "problem" for finding in findings)
+    checked = sum(finding.level == "ok" for finding in findings)
+    print(f"{checked} datasets are sound, {problems} problems.", file=sys.stderr)
+    if problems:
+        raise typer.Exit(IntegrityError.exit_code)
+
+
+@app.command()
+def export(
+    dataset: Identifier,
+    to: Annotated[Path, typer.Option(help="Existing folder.")] = Path("."),
+    format: Annotated[str, typer.Option(help="nc, or csv for one row a sample.")] = "nc",
+    results: Results = Path("results"),
+) -> None:
+    """Copy a dataset to one verified file and print its path."""
+    from flexscale.datasets.export import export as export_entry
+
+    sys.stdout.write(f"{export_entry(_open(results).get(dataset), to, format)}\n")
+
+
+@app.command()
+def reindex(results: Results = Path("results")) -> None:
+    """Rebuild the catalog from the dataset folders."""
+    registry = _open(results).reindex()
+    print(f"{len(registry)} datasets in {results}.", file=sys.stderr)
+
+
+def _open(results: Path) -> Registry:
+    from flexscale.datasets.registry import open_registry
+
+    registry = open_registry(results)
+    for sentence in registry.damaged:
+        print(f"damaged: {sentence}", file=sys.stderr)
+    return registry
+
+
+def _criterion(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise ConfigError(f"{text!r} is no criterion: write KEY=VALUE, such as kind=sweep.")
+    try:
+        return key, float(value)
+    except ValueError:
+        return key, value
+
+
+def _print_json(content: Any) -> None:
+    sys.stdout.write(json_module.dumps(content, indent=1) + "\n")
+
+
+def _print_columns(rows: list[list[str]]) -> None:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    for row in rows:
+        line = "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True))
+        sys.stdout.write(line.rstrip() + "\n")

@@ -1,0 +1,63 @@
+"""`flexscale figures`: the paper's figures from stored datasets."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from flexscale.datasets.registry import open_registry
+from flexscale.errors import BadInputError, ConfigError, MissingDataError
+from flexscale.plotting.figures import draw_figure, find_scripts
+from flexscale.plotting.index_page import write_index
+
+
+def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Sequence[str]) -> int:
+    """Draw figures and the page that shows them; paths go to stdout.
+
+    Parameters
+    ----------
+    names : figure scripts, all if empty.
+    results : results folder.
+    out : folder to draw into.
+    use : "INPUT=ID" where several datasets fit.
+
+    Returns
+    -------
+    0, or 4 when a figure lacks data.
+    """
+    chosen = dict(_input(text) for text in use)
+    registry = open_registry(results)
+    target = out if out is not None else results / "local" / "figures"
+    reports = [
+        draw_figure(script, registry, target, use=chosen)
+        for script in find_scripts(scripts_folder(), names)
+    ]
+    for report in reports:
+        if report.paths:
+            print(f"{report.stem}  {report.outcome}", file=sys.stderr)
+            sys.stdout.write("".join(f"{path}\n" for path in report.paths.values()))
+        else:
+            print(f"{report.stem}  missing: {report.message}", file=sys.stderr)
+    if any(report.paths for report in reports):
+        sys.stdout.write(f"{write_index(reports, target)}\n")
+    missing = any(report.outcome == "missing" for report in reports)
+    return MissingDataError.exit_code if missing else 0
+
+
+def scripts_folder() -> Path:
+    """Folder of the figure scripts: they belong to a checkout, not to the installed package."""
+    folder = Path(__file__).resolve().parents[2] / "paper_figures"
+    if not folder.is_dir():
+        raise BadInputError(
+            "The figure scripts are part of a checkout of the repository, and this flexscale is "
+            "installed without one: run it from a checkout (make setup)."
+        )
+    return folder
+
+
+def _input(text: str) -> tuple[str, str]:
+    name, equals, identifier = text.partition("=")
+    if not equals:
+        raise ConfigError(f"{text!r} chooses no dataset: write INPUT=ID.")
+    return name, identifier

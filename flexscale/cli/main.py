@@ -1,0 +1,122 @@
+"""The `flexscale` command: what it offers, and how errors become exit codes.
+
+Heavy libraries are imported inside the commands: `flexscale --help` is instant.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+import traceback
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexscale.cli import data, tiling
+from flexscale.cli.options import Json, Quiet, Results
+from flexscale.errors import FlexScaleError
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="flexscale",
+    help="Bending of flexible scaled sheets, from a scale pattern to its bending dataset.",
+    epilog="Exit codes: 0 done, 1 bug, 2 bad input, 3 done but some samples did not converge, "
+    "4 data or a part of the system missing, 130 interrupted with finished work kept.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(data.app, name="data")
+app.add_typer(tiling.app, name="tiling")
+
+
+@app.command()
+def run(
+    file: Annotated[Path | None, typer.Argument(help="Experiment file, workflows/*.yaml.")] = None,
+    cores: Annotated[
+        int | None, typer.Option(min=1, help="Processes at once; all cores if not given.")
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be done and what is reused.")
+    ] = False,
+    fields: Annotated[
+        bool, typer.Option("--fields", help="List what an experiment file may contain.")
+    ] = False,
+    results: Results = Path("results"),
+    quiet: Quiet = False,
+) -> None:
+    """Run an experiment file to its end; started again, it goes on where it stopped."""
+    from flexscale.cli.run import list_fields, run_experiment
+
+    if fields:
+        sys.stdout.write(list_fields())
+        return
+    if file is None:
+        raise typer.BadParameter("give an experiment file, such as workflows/quickstart.yaml.")
+    raise typer.Exit(run_experiment(file, cores, results, dry_run=dry_run, quiet=quiet))
+
+
+@app.command()
+def figures(
+    names: Annotated[list[str] | None, typer.Argument(help="Such as fig07; all if none.")] = None,
+    results: Results = Path("results"),
+    out: Annotated[
+        Path | None, typer.Option(help="Folder to draw into; RESULTS/local/figures if not given.")
+    ] = None,
+    use: Annotated[
+        list[str] | None, typer.Option(help="INPUT=ID where several datasets fit; may be repeated.")
+    ] = None,
+) -> None:
+    """Draw figures of the paper from stored datasets alone, offline."""
+    from flexscale.cli.figures import draw_figures
+
+    raise typer.Exit(draw_figures(names or [], results, out, use or []))
+
+
+@app.command()
+def doctor(
+    json: Json = False,
+    quiet: Quiet = False,
+    fix: Annotated[
+        bool, typer.Option("--fix", help="Install missing system libraries (needs root, Debian).")
+    ] = False,
+) -> None:
+    """Check what is missing on this machine, and name the command that fixes it."""
+    from flexscale.cli.doctor import examine
+
+    raise typer.Exit(examine(as_json=json, quiet=quiet, fix=fix))
+
+
+@app.callback()
+def _common(
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Show what the library logs.")
+    ] = False,
+) -> None:
+    logging.basicConfig(
+        level=logging.INFO if verbose else logging.WARNING,
+        format="%(levelname)s %(name)s: %(message)s",
+        stream=sys.stderr,
+    )
+
+
+def main() -> None:
+    """Entry point: run the command, turn errors into one message and their exit code."""
+    try:
+        app()
+    except FlexScaleError as error:
+        print(f"flexscale: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        print("flexscale: interrupted; finished work is kept.", file=sys.stderr)
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:  # `flexscale data list | head`
+        sys.stderr.close()
+        sys.exit(0)
+    except Exception:
+        traceback.print_exc()
+        print("flexscale: this is a bug; please report it with the lines above.", file=sys.stderr)
+        sys.exit(1)

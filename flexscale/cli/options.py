@@ -1,0 +1,12 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Results = Annotated[Path, typer.Option(help="Results folder.", file_okay=False)]
+Json = Annotated[bool, typer.Option("--json", help="JSON, for machines.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say only what needs attention.")]

@@ -1,0 +1,137 @@
+"""`flexscale run`: an experiment file to its end, with progress."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+from flexscale.cli.progress import Progress
+from flexscale.datasets.store import Store
+from flexscale.steps.engine import finished_jobs, run_plan
+from flexscale.steps.experiment import Experiment, load_experiment
+from flexscale.steps.plan import Job, Plan, build_plan
+from flexscale.steps.summary import describe_fields, outcome
+
+NOT_CONVERGED = 3
+
+
+def run_experiment(
+    file: Path, cores: int | None, results: Path, *, dry_run: bool = False, quiet: bool = False
+) -> int:
+    """Check the whole file, then run what is not there yet; one line per result on stdout.
+
+    Parameters
+    ----------
+    file : experiment file.
+    cores : processes at once; None for all the machine lends us.
+    results : results folder.
+    dry_run : only say what would be done.
+    quiet : no progress.
+
+    Returns
+    -------
+    Exit code: 0, 3 when samples did not converge, else that of the first job that failed.
+
+    Raises
+    ------
+    BadInputError : the file says something that cannot be computed.
+    KeyboardInterrupt : stopped by Ctrl-C or a termination signal; finished work is kept.
+    """
+    experiment = load_experiment(file)
+    plan = build_plan(experiment)
+    store = Store(results)
+    finished = finished_jobs(plan, store)
+    if dry_run:
+        _announce(plan, finished)
+        return 0
+    errors: dict[str, dict[str, Any]] = {}
+    seconds: dict[str, float] = {}
+    if len(finished) < len(plan.jobs):
+        errors, seconds = _run(plan, experiment, store, cores or _all_cores(), finished, quiet)
+    return _report(plan, store, seconds, errors)
+
+
+def _run(
+    plan: Plan,
+    experiment: Experiment,
+    store: Store,
+    cores: int,
+    finished: dict[str, str],
+    quiet: bool,
+) -> tuple[dict[str, dict[str, Any]], dict[str, float]]:
+    """Run the unfinished jobs; (errors, seconds) by job id."""
+    errors: dict[str, dict[str, Any]] = {}
+    seconds: dict[str, float] = {}
+    signal.signal(signal.SIGINT, _interrupt)
+    signal.signal(signal.SIGTERM, _interrupt)
+    with Progress(plan, finished, quiet=quiet) as progress:
+        for event in run_plan(plan, experiment, store, cores):
+            progress.show(event)
+            if event["event"] == "error":
+                errors[event["job"]] = event
+            elif event["event"] == "end":
+                seconds[event["job"]] = event["seconds"]
+    return errors, seconds
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _announce(plan: Plan, finished: dict[str, str]) -> None:
+    for job in plan:
+        if job.id in finished:
+            state = f"reused  {finished[job.id]}"
+        else:
+            state = f"to do   {job.size} samples" if job.step == "sweep" else "to do"
+        sys.stdout.write(f"{job.label:<28} {state}\n")
+    samples = sum(job.size for job in plan if job.step == "sweep" and job.id not in finished)
+    todo = len(plan.jobs) - len(finished)
+    print(f"{todo} of {len(plan.jobs)} jobs to do, with {samples} samples.", file=sys.stderr)
+
+
+def _report(
+    plan: Plan,
+    store: Store,
+    seconds: dict[str, float],
+    errors: dict[str, dict[str, Any]],
+) -> int:
+    """One line per job on stdout, what needs attention on stderr; returns the exit code."""
+    finished = finished_jobs(plan, store)
+    stored = plan.stored(store)
+    unconverged = False
+    for job in plan:
+        if job.id not in finished:
+            sys.stdout.write(f"{job.label:<28} {'failed' if job.id in errors else 'not run'}\n")
+            continue
+        how = f"{seconds[job.id]:.0f} s" if job.id in seconds else "reused"
+        told, failures = outcome(store, stored[job.id]) if job.id in stored else ("", [])
+        sys.stdout.write(f"{job.label:<28} {how:<8} {finished[job.id]}{told}\n")
+        for line in failures:
+            print(f"  {line}", file=sys.stderr)
+        unconverged |= bool(failures)
+    for job_id, event in errors.items():
+        _tell_error(plan[job_id], event)
+    if errors:
+        return int(next(iter(errors.values()))["exit_code"])
+    return NOT_CONVERGED if unconverged else 0
+
+
+def _tell_error(job: Job, event: dict[str, Any]) -> None:
+    print(event.get("trace", ""), end="", file=sys.stderr)
+    what = " ".join(job.label.split())
+    print(f"flexscale: {what}: {event['message']}", file=sys.stderr)
+
+
+def _all_cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def list_fields() -> str:
+    """What an experiment file may contain: key, unit, default, meaning, bounds."""
+    return describe_fields(Experiment)

@@ -1,0 +1,178 @@
+"""Blocks of an experiment file; every field declares default, unit, meaning and bounds once.
+
+Defaults that belong to a class of a lower floor are taken from its signature, not repeated.
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
+from pydantic_core import PydanticCustomError
+
+from flexscale.errors import suggest
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns.material import PETG, TPU, NeoHookean
+from flexscale.patterns.pattern import Pattern
+from flexscale.solve.newton import SolverOptions
+from flexscale.steps.quantities import declared, unit
+
+Length = Annotated[float, unit("mm")]
+Area = Annotated[float, unit("mm2")]
+Curvature = Annotated[float, unit("mm-1")]
+Modulus = Annotated[float, unit("MPa")]
+Direction = Annotated[float, unit("degree")]
+Number = Annotated[float, unit("1")]
+Count = Annotated[int, unit("1")]
+Side = Literal["closing", "opening"]
+
+MATERIALS = {"PETG": PETG, "TPU": TPU}
+
+
+class Block(BaseModel):
+    """Part of an experiment file: frozen; unknown keys are errors with a did-you-mean."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _know_all_keys(cls, data: Any) -> Any:
+        if isinstance(data, dict):
+            for key in data:
+                if key not in cls.model_fields:
+                    raise PydanticCustomError(
+                        "unknown_key",
+                        "there is no key {key}. {hint}",
+                        {"key": repr(key), "hint": suggest(key, cls.model_fields)},
+                    )
+        return data
+
+
+def _default(owner: type, name: str) -> Any:
+    return inspect.signature(owner).parameters[name].default
+
+
+def _material(value: Any) -> Any:
+    """A material may be given by name; a name stands for its constants."""
+    if isinstance(value, str):
+        if value not in MATERIALS:
+            raise PydanticCustomError(
+                "unknown_material",
+                "there is no material {name}. {hint}",
+                {"name": repr(value), "hint": suggest(value, MATERIALS)},
+            )
+        value = MATERIALS[value]
+    if isinstance(value, NeoHookean):
+        return {"young_modulus": value.young_modulus, "poisson_ratio": value.poisson_ratio}
+    return value
+
+
+class MaterialBlock(Block):
+    """Neo-Hookean material."""
+
+    young_modulus: Modulus = declared(..., "Young's modulus", gt=0.0)
+    poisson_ratio: Number = declared(..., "Poisson ratio", gt=-1.0, lt=0.5)
+
+
+Material = Annotated[MaterialBlock, BeforeValidator(_material)]
+Point = tuple[Length, Length]
+
+
+class PatternBlock(Block):
+    """Scale pattern: a tiling family, or polygons with two lattice vectors."""
+
+    family: str | None = declared(None, "isohedral tiling family, such as IH20")
+    parameters: tuple[Number, ...] | None = declared(None, "free shape parameters of the family")
+    tile_area: Area | None = declared(
+        None,
+        f"mean area of a family's tiles, {_default(Pattern, 'tile_area'):g} mm2 if left out",
+        gt=0.0,
+    )
+    tiles: tuple[tuple[Point, ...], ...] | None = declared(
+        None, "polygons of one cell instead of a family, each a list of corners"
+    )
+    lattice: tuple[Point, Point] | None = declared(None, "the two lattice vectors of `tiles`")
+    gap: Length = declared(_default(Pattern, "gap"), "gap between neighboring scales", gt=0.0)
+    scale_height: Length = declared(_default(Pattern, "scale_height"), "scale height", gt=0.0)
+    substrate_thickness: Length = declared(
+        _default(Pattern, "substrate_thickness"), "substrate thickness", gt=0.0
+    )
+    scale_material: Material = declared(
+        _default(Pattern, "scale_material"), "material of the scales, or PETG or TPU"
+    )
+    substrate_material: Material = declared(
+        _default(Pattern, "substrate_material"), "material of the substrate, or PETG or TPU"
+    )
+
+    @model_validator(mode="after")
+    def _one_kind_of_shape(self) -> Self:
+        shape = {"family"} if self.family is not None else {"tiles", "lattice"}
+        barred = {"tiles", "lattice"} if self.family is not None else {"parameters", "tile_area"}
+        missing = sorted(key for key in shape if getattr(self, key) is None)
+        extra = sorted(key for key in barred if getattr(self, key) is not None)
+        if missing or extra:
+            raise PydanticCustomError(
+                "pattern_shape",
+                "a pattern has either `family` (with `parameters` and `tile_area` if wanted) or "
+                "`tiles` with `lattice`: {problem}",
+                {"problem": _problem(missing, extra)},
+            )
+        return self
+
+    def build(self, name: str) -> Pattern:
+        """The pattern called `name`; PatternError or TilingError when it cannot be built."""
+        config = {key: value for key, value in self.model_dump().items() if value is not None}
+        return Pattern.from_config(config | {"name": name})
+
+
+def _problem(missing: list[str], extra: list[str]) -> str:
+    said = [f"{', '.join(missing)} missing"] if missing else []
+    return " and ".join(said + ([f"{', '.join(extra)} out of place"] if extra else []))
+
+
+class MeshBlock(Block):
+    """Mesh sizes of a cell."""
+
+    across: Count = declared(_default(MeshOptions, "across"), "elements across the gap, even", ge=2)
+    across_grading: Number = declared(
+        _default(MeshOptions, "across_grading"),
+        "ratio of neighboring layers toward the scale outline",
+        gt=0.0,
+    )
+    along: Length = declared(_default(MeshOptions, "along"), "largest size along the gap", gt=0.0)
+    corner: Length = declared(_default(MeshOptions, "corner"), "size along at corners", gt=0.0)
+    growth: Number = declared(
+        _default(MeshOptions, "growth"), "growth of sizes away from corners", ge=1.0
+    )
+    scale_size: Length = declared(
+        _default(MeshOptions, "scale_size"), "size of a scale's base triangles", gt=0.0
+    )
+    scale_layers: Count = declared(
+        _default(MeshOptions, "scale_layers"), "layers of elements over a scale's height", ge=1
+    )
+
+    def build(self) -> MeshOptions:
+        """Mesh options; MeshError when they contradict each other."""
+        return MeshOptions(**self.model_dump())
+
+
+class SolverBlock(Block):
+    """How equilibria are sought."""
+
+    constraint: str = declared(
+        _default(SolverOptions, "constraint"), "bordered, or augmented_lagrangian as in the paper"
+    )
+    tolerance: Number = declared(
+        _default(SolverOptions, "tolerance"), "accepted Newton decrement relative to the energy"
+    )
+    max_iterations: Count = declared(
+        _default(SolverOptions, "max_iterations"), "factorizations per equilibrium", ge=1
+    )
+    penalty: Annotated[float, unit("N/mm")] = declared(
+        _default(SolverOptions, "penalty"), "penalty of the augmented Lagrangian", gt=0.0
+    )
+
+    def build(self) -> SolverOptions:
+        """Solver options; ConfigError for an unknown constraint method."""
+        return SolverOptions(**self.model_dump())

@@ -1,0 +1,126 @@
+"""All steps: names, versions, typed parameters and inputs; their functions load when called.
+
+The command line and the workflow engine need only these declarations, and start quickly.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, ConfigDict
+
+from flexscale.datasets.identity import Recipe
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns.pattern import Pattern
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexscale.steps.base import Resources
+
+
+class Parameters(BaseModel):
+    """Parameters common to all steps; everything the result depends on, in mm, MPa, degree.
+
+    Attributes
+    ----------
+    pattern : `Pattern.to_config()`.
+    mesh : `MeshOptions.to_config()`.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    pattern: dict[str, Any]
+    mesh: dict[str, Any]
+
+    def build_pattern(self) -> Pattern:
+        """The pattern the parameters describe."""
+        return Pattern.from_config(self.pattern)
+
+    def build_mesh_options(self) -> MeshOptions:
+        """The mesh options the parameters describe."""
+        return MeshOptions(**self.mesh)
+
+
+class CellParameters(Parameters):
+    """A pattern and its mesh options, nothing else."""
+
+
+class TangentParameters(Parameters):
+    """Also the directions (degree) at which the stiffness is tabulated."""
+
+    directions: tuple[float, ...]
+
+
+class SweepParameters(Parameters):
+    """Also sides ("closing", "opening"), directions (degree), curvatures (mm-1), solver options."""
+
+    sides: tuple[str, ...]
+    directions: tuple[float, ...]
+    curvatures: tuple[float, ...]
+    solver: dict[str, Any]
+
+
+class ShapeSample(BaseModel):
+    """One deformed state: side, direction in degree, curvature in mm-1."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    side: str
+    direction: float
+    curvature: float
+
+
+class ShapeParameters(Parameters):
+    """Also the states to show, and solver options."""
+
+    samples: tuple[ShapeSample, ...]
+    solver: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One kind of work.
+
+    Attributes
+    ----------
+    name : also the kind of the dataset it makes, and the module that holds its function.
+    version : raised whenever its numbers change.
+    parameters : class of its parameters.
+    inputs : names of the steps whose datasets it takes.
+    parallel : whether it can use several processes.
+    """
+
+    name: str
+    version: int
+    parameters: type[Parameters]
+    inputs: tuple[str, ...] = ()
+    parallel: bool = False
+
+    def recipe(self, parameters: Parameters) -> Recipe:
+        """Identity of this step with these parameters, apart from its inputs."""
+        return Recipe(self.name, self.version, parameters.model_dump(mode="json"))
+
+    @property
+    def compute(self) -> Callable[[Any, Mapping[str, xr.Dataset], Resources], xr.Dataset]:
+        """Parameters, input datasets by step name, resources -> dataset of kind `name`.
+
+        Pure: no paths, environment or clocks.
+        """
+        module = importlib.import_module(f"flexscale.steps.{self.name}")
+        function: Callable[[Any, Mapping[str, xr.Dataset], Resources], xr.Dataset] = module.compute
+        return function
+
+
+STEPS: dict[str, Step] = {
+    step.name: step
+    for step in (
+        Step("cell", 1, CellParameters),
+        Step("tangent", 1, TangentParameters, inputs=("cell",)),
+        Step("sweep", 1, SweepParameters, inputs=("cell",), parallel=True),
+        Step("shape", 1, ShapeParameters, inputs=("cell",)),
+    )
+}

@@ -1,0 +1,235 @@
+"""Experiment files: read, checked completely, and resolved before anything is computed."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import yaml
+from pydantic import ValidationError, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.patterns.pattern import Pattern
+from flexscale.steps.blocks import (
+    Block,
+    Curvature,
+    Direction,
+    MeshBlock,
+    PatternBlock,
+    Side,
+    SolverBlock,
+)
+from flexscale.steps.quantities import declared, series
+
+Directions = Annotated[tuple[Direction, ...], series("degree")]
+Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
+FigureName = Literal["polar", "curves", "tangent", "cell"]
+
+
+class SweepBlock(Block):
+    """Bending in many directions to many curvatures."""
+
+    sides: tuple[Side, ...] = declared(
+        ("closing", "opening"), "sides to bend to: closing, opening", min_length=1
+    )
+    directions: Directions = declared(
+        ..., "bending directions, increasing, from 0 to below 180", min_length=1
+    )
+    curvatures: Curvatures = declared(..., "curvatures, increasing from 0", min_length=1)
+
+    @field_validator("directions")
+    @classmethod
+    def _directions_in_range(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        if values[0] < 0.0 or values[-1] >= 180.0:
+            raise PydanticCustomError(
+                "range", "directions lie in [0, 180) degree: bending has period 180", {}
+            )
+        return _increasing(values)
+
+    @field_validator("curvatures")
+    @classmethod
+    def _curvatures_from_zero(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        if values[0] != 0.0:
+            raise PydanticCustomError(
+                "range", "the first curvature must be 0: every sweep starts from the flat sheet", {}
+            )
+        return _increasing(values)
+
+    @field_validator("sides")
+    @classmethod
+    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(values)) != len(values):
+            raise PydanticCustomError("twice", "a side is named twice", {})
+        return values
+
+
+class TangentBlock(Block):
+    """Bending stiffness of the flat sheet."""
+
+    directions: Directions = declared(
+        tuple(1.5 * index for index in range(120)), "directions at which a is tabulated"
+    )
+
+    @field_validator("directions")
+    @classmethod
+    def _directions_increase(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        return _increasing(values)
+
+
+class ShapeBlock(Block):
+    """A deformed cell to look at."""
+
+    side: Side = declared("closing", "side to bend to: closing, opening")
+    direction: Direction = declared(0.0, "bending direction", ge=0.0, lt=180.0)
+    curvature: Curvature = declared(..., "curvature", gt=0.0)
+
+
+class Experiment(Block):
+    """An experiment: patterns, and what to compute and draw for each of them."""
+
+    patterns: dict[str, PatternBlock] = declared(..., "name and description of each pattern")
+    mesh: MeshBlock = declared(MeshBlock(), "mesh sizes")
+    solver: SolverBlock = declared(SolverBlock(), "how equilibria are sought")
+    tangent: TangentBlock | None = declared(None, "stiffness of the flat sheet; {} for defaults")
+    sweep: SweepBlock | None = declared(None, "bending sweep")
+    shapes: tuple[ShapeBlock, ...] = declared((), "deformed cells")
+    figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
+
+    @field_validator("patterns")
+    @classmethod
+    def _some_pattern_with_a_name(
+        cls, patterns: dict[str, PatternBlock]
+    ) -> dict[str, PatternBlock]:
+        if not patterns:
+            raise PydanticCustomError("empty", "an experiment needs at least one pattern", {})
+        for name in patterns:
+            if not name.replace("-", "").replace("_", "").isalnum():
+                raise PydanticCustomError(
+                    "name",
+                    "the pattern name {name} names files: use letters, digits, - and _ only",
+                    {"name": repr(name)},
+                )
+        return patterns
+
+    @model_validator(mode="after")
+    def _figures_have_data(self) -> Self:
+        needs = {"polar": "sweep", "curves": "sweep", "tangent": "tangent", "cell": "shapes"}
+        for name in self.figures:
+            if not getattr(self, needs[name]) and getattr(self, needs[name]) != TangentBlock():
+                raise PydanticCustomError(
+                    "figure",
+                    "the figure {name} needs the block `{block}`, which is missing",
+                    {"name": repr(name), "block": needs[name]},
+                )
+        return self
+
+    def build_patterns(self) -> dict[str, Pattern]:
+        """Every pattern, built and checked, curvatures against the scale height included.
+
+        Raises
+        ------
+        BadInputError : polygons, sizes or a family are not usable; names the pattern.
+        UnitRangeError : a curvature folds the curvature map.
+        """
+        built = {}
+        for name, block in self.patterns.items():
+            try:
+                built[name] = block.build(name)
+            except BadInputError as error:
+                raise type(error)(f"patterns.{name}: {error}") from error
+            self._refuse_folds(built[name])
+        return built
+
+    def _refuse_folds(self, pattern: Pattern) -> None:
+        closing = [shape.curvature for shape in self.shapes if shape.side == "closing"]
+        if self.sweep is not None and "closing" in self.sweep.sides:
+            closing.append(self.sweep.curvatures[-1])
+        largest, limit = max(closing, default=0.0), 1.0 / pattern.scale_height
+        if largest >= limit:
+            raise UnitRangeError(
+                f"patterns.{pattern.name}: at a closing curvature of {largest:g} mm-1 the bending "
+                f"center lies inside the scales, which are {pattern.scale_height:g} mm high: stay "
+                f"below {limit:g} mm-1."
+            )
+
+
+def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
+    for before, after in itertools.pairwise(values):
+        if after <= before:
+            raise PydanticCustomError(
+                "order",
+                "values must increase, but {after} follows {before}",
+                {"before": f"{before:g}", "after": f"{after:g}"},
+            )
+    return values
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML that refuses a key given twice instead of keeping the last one."""
+
+
+def _mapping_without_repeats(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
+    mapping: dict[Any, Any] = {}
+    for key_node, value_node in node.value:
+        key = loader.construct_object(key_node, deep=True)
+        if key in mapping:
+            line = key_node.start_mark.line + 1
+            raise ConfigError(f"line {line}: the key {key!r} is given twice: keep one of them.")
+        mapping[key] = loader.construct_object(value_node, deep=True)
+    return mapping
+
+
+_Loader.add_constructor("tag:yaml.org,2002:map", _mapping_without_repeats)
+
+
+def parse_experiment(content: Any, where: str) -> Experiment:
+    """Experiment from plain data.
+
+    Parameters
+    ----------
+    content : what the file held.
+    where : name of the file, for messages.
+
+    Raises
+    ------
+    ConfigError : one line per mistake: place, mistake and what is allowed.
+    """
+    if not isinstance(content, dict):
+        raise ConfigError(f"{where} holds no experiment: it needs at least the key 'patterns'.")
+    try:
+        return Experiment.model_validate(content)
+    except ValidationError as error:
+        lines = [f"{where}: {_sentence(dict(item))}" for item in error.errors()]
+        raise ConfigError("\n".join(lines)) from error
+
+
+def load_experiment(path: Path) -> Experiment:
+    """Experiment file, read and checked.
+
+    Raises
+    ------
+    ConfigError : the file cannot be read, is no YAML, or says something that is not allowed.
+    """
+    try:
+        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be read: {error.strerror}.") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = " ".join(str(error).split())
+        raise ConfigError(f"{path} is not readable YAML: {reason}.") from error
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+    return parse_experiment(content, str(path))
+
+
+def _sentence(item: dict[str, Any]) -> str:
+    place = ".".join(str(part) for part in item["loc"]) or "top level"
+    message = str(item["msg"])
+    given = item.get("input")
+    said = isinstance(given, int | float | str) and repr(given) not in message
+    # A missing key and an unknown key need no value: their message holds the key.
+    if said and item["type"] not in ("missing", "unknown_key"):
+        message += f", not {given!r}"
+    return f"{place}: {message.rstrip('.')}."

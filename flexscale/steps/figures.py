@@ -1,0 +1,109 @@
+"""Figures of an experiment: each drawn from one dataset, redrawn when that or the code changes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from flexscale.datasets.identity import Recipe
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexscale.datasets.store import Entry, Store
+
+#: Name of the jobs that draw; they make pictures, no datasets.
+FIGURE = "figure"
+
+
+@dataclass(frozen=True)
+class FigureRecipe:
+    """One figure of an experiment: the step whose dataset it shows, how, and its caption.
+
+    `draw` is handed the plotting package, which loads only where something is drawn.
+    """
+
+    needs: str
+    draw: Callable[[ModuleType, xr.Dataset], Any]
+    caption: str
+
+
+FIGURES = {
+    "polar": FigureRecipe(
+        "sweep",
+        lambda plot, sweep: plot.polar(sweep, side=[str(side) for side in sweep["side"].values]),
+        "Bending moment against bending direction, one curve per curvature.",
+    ),
+    "curves": FigureRecipe(
+        "sweep",
+        lambda plot, sweep: plot.curves(sweep),
+        "Bending moment against curvature, one line per direction.",
+    ),
+    "tangent": FigureRecipe(
+        "tangent",
+        lambda plot, tangent: plot.stiffness(tangent),
+        "Bending stiffness of the flat sheet against direction.",
+    ),
+    "cell": FigureRecipe(
+        "shape",
+        lambda plot, shape: plot.cell(shape),
+        "The deformed cell with its lattice images.",
+    ),
+}
+
+
+def figure_recipe(name: str) -> Recipe:
+    """Identity of a figure apart from its input."""
+    return Recipe(FIGURE, 1, {"figure": name})
+
+
+def figure_path(name: str, pattern: str, store: Store) -> Path:
+    """The figure's PNG; the PDF and the JSON that names its source lie beside it."""
+    return store.local / "figures" / f"{pattern}-{name}.png"
+
+
+def figure_is_current(name: str, pattern: str, source: Entry, store: Store) -> bool:
+    """Whether the figure is there and shows this dataset, drawn by this very code."""
+    path = figure_path(name, pattern, store)
+    if not all(path.with_suffix(ending).is_file() for ending in (".png", ".pdf", ".json")):
+        return False
+    try:
+        made_from = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))["made_from"]
+    except (ValueError, KeyError, TypeError):
+        return False
+    return bool(made_from == _made_from(source))
+
+
+def draw_figure(name: str, pattern: str, source: Entry, store: Store) -> Path:
+    """Draw a figure as PNG and PDF, with a JSON file that names its source.
+
+    Returns
+    -------
+    Path of the PNG.
+    """
+    from flexscale import plotting
+
+    recipe = FIGURES[name]
+    path = figure_path(name, pattern, store)
+    plotting.save_figure(
+        recipe.draw(plotting, store.load(source)),
+        path.parent,
+        path.stem,
+        sources=[{"id": source.id, "content_digest": source.content_digest}],
+        facts={"caption": recipe.caption, "made_from": _made_from(source)},
+    )
+    return path
+
+
+def _made_from(source: Entry) -> str:
+    """Digest of all a figure depends on: its dataset and the code that draws it."""
+    digest = hashlib.sha256(source.content_digest.encode())
+    package = Path(__file__).parents[1] / "plotting"
+    for path in [Path(__file__), *sorted([*package.glob("*.py"), *package.glob("*.mplstyle")])]:
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()

@@ -1,0 +1,140 @@
+"""From an experiment to jobs: which step runs with which parameters on which inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexscale.datasets.identity import SHORT_DIGEST, Recipe
+from flexscale.patterns.pattern import Pattern
+from flexscale.steps.catalog import STEPS
+from flexscale.steps.experiment import Experiment
+from flexscale.steps.figures import FIGURE, FIGURES, figure_recipe
+
+if TYPE_CHECKING:
+    from flexscale.datasets.store import Entry, Store
+
+
+@dataclass(frozen=True)
+class Job:
+    """One piece of work: a step, which makes a dataset, or a figure, drawn from one.
+
+    Attributes
+    ----------
+    id : unique and file-safe, "sweep-squares-3f9c2e71b0aa"; the digits change with anything the
+        result depends on.
+    step : name of the step, or "figure".
+    title : for people, "sweep".
+    pattern, family : of the scale pattern.
+    recipe : its identity apart from its inputs.
+    inputs : ids of the jobs whose results it takes.
+    size : number of samples it computes; 1 for all but sweeps and shapes.
+    """
+
+    id: str
+    step: str
+    title: str
+    pattern: str
+    family: str
+    recipe: Recipe
+    inputs: tuple[str, ...]
+    size: int = 1
+
+    @property
+    def label(self) -> str:
+        """For people: "sweep    IH20/hexagon"."""
+        figure = f" {self.title}" if self.step == FIGURE else ""
+        return f"{self.step:<8} {self.family}/{self.pattern}{figure}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All jobs of an experiment; every job comes after its inputs."""
+
+    jobs: tuple[Job, ...]
+
+    def __iter__(self) -> Iterator[Job]:
+        return iter(self.jobs)
+
+    def __getitem__(self, job_id: str) -> Job:
+        return next(job for job in self.jobs if job.id == job_id)
+
+    def needed_for(self, job: Job) -> Plan:
+        """The jobs that `job` takes results from, directly or not, in order."""
+        wanted = set(job.inputs)
+        for candidate in reversed(self.jobs):
+            if candidate.id in wanted:
+                wanted.update(candidate.inputs)
+        return Plan(tuple(candidate for candidate in self.jobs if candidate.id in wanted))
+
+    def stored(self, store: Store) -> dict[str, Entry]:
+        """Job id -> dataset, for the jobs whose dataset is stored and sound.
+
+        Raises
+        ------
+        IntegrityError : a dataset is there but damaged.
+        """
+        found: dict[str, Entry] = {}
+        for job in self.jobs:
+            if job.step == FIGURE or not all(needed in found for needed in job.inputs):
+                continue
+            entry = store.lookup(job.step, job.recipe, [found[needed] for needed in job.inputs])
+            if entry is not None:
+                found[job.id] = entry
+        return found
+
+
+def build_plan(experiment: Experiment) -> Plan:
+    """Jobs of an experiment; builds every pattern, so all bad input is refused here.
+
+    Raises
+    ------
+    BadInputError : a pattern or the mesh options cannot be used.
+    """
+    mesh = experiment.mesh.build().to_config()
+    patterns = experiment.build_patterns().values()
+    return Plan(tuple(job for pattern in patterns for job in _jobs_of(pattern, experiment, mesh)))
+
+
+def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) -> list[Job]:
+    """Jobs of one pattern: the steps the experiment has blocks for, then its figures."""
+    made: dict[str, Job] = {}
+    for name, (extra, size) in _wanted_steps(experiment).items():
+        step = STEPS[name]
+        parameters = step.parameters.model_validate(
+            {"pattern": pattern.to_config(), "mesh": mesh, **extra}
+        )
+        sources = [made[needed] for needed in step.inputs]
+        made[name] = _job(name, name, pattern, step.recipe(parameters), sources, size)
+    figures = [
+        _job(FIGURE, name, pattern, figure_recipe(name), [made[FIGURES[name].needs]])
+        for name in experiment.figures
+    ]
+    return [*made.values(), *figures]
+
+
+def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], int]]:
+    """Step name -> parameters besides pattern and mesh, and the number of samples."""
+    solver = {"solver": experiment.solver.build().to_config()}
+    wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
+    if experiment.tangent is not None:
+        wanted["tangent"] = (experiment.tangent.model_dump(), 1)
+    if experiment.sweep is not None:
+        block = experiment.sweep
+        size = len(block.sides) * len(block.directions) * len(block.curvatures)
+        wanted["sweep"] = (block.model_dump() | solver, size)
+    if experiment.shapes:
+        samples = [shape.model_dump() for shape in experiment.shapes]
+        wanted["shape"] = ({"samples": samples} | solver, len(samples))
+    return wanted
+
+
+def _job(
+    step: str, title: str, pattern: Pattern, recipe: Recipe, sources: list[Job], size: int = 1
+) -> Job:
+    # Ids of inputs stand in for their content digests, which are known only once they exist.
+    inputs = tuple(source.id for source in sources)
+    prefix = title if step == title else f"{step}-{title}"
+    job_id = f"{prefix}-{pattern.name}-{recipe.digest(inputs)[:SHORT_DIGEST]}"
+    return Job(job_id, step, title, pattern.name, pattern.family, recipe, inputs, size)

@@ -1,0 +1,117 @@
+"""Values with units in experiment files: a number in our unit, or text such as '0.4 mm'."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any, NamedTuple
+
+from pydantic import BeforeValidator, Field
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+#: Our unit -> every accepted spelling and what to multiply with to get to our unit.
+UNITS: dict[str, dict[str, float]] = {
+    "mm": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "µm": 1e-3, "in": 25.4},
+    "mm2": {"mm2": 1.0, "mm^2": 1.0, "mm²": 1.0, "cm2": 100.0, "cm^2": 100.0, "cm²": 100.0},
+    "mm-1": {
+        "mm-1": 1.0,
+        "1/mm": 1.0,
+        "mm^-1": 1.0,
+        "mm⁻¹": 1.0,
+        "m-1": 1e-3,
+        "1/m": 1e-3,
+        "m^-1": 1e-3,
+        "m⁻¹": 1e-3,
+    },
+    "MPa": {"MPa": 1.0, "GPa": 1000.0, "kPa": 1e-3, "Pa": 1e-6, "N/mm2": 1.0, "N/mm^2": 1.0},
+    "N/mm": {"N/mm": 1.0, "N mm-1": 1.0, "kN/m": 1.0, "N/m": 1e-3},
+    "degree": {"degree": 1.0, "degrees": 1.0, "deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},
+}
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
+
+
+class Quantity(NamedTuple):
+    """Unit of a field; stands in its annotation and feeds validation and documentation."""
+
+    unit: str
+
+    def read(self, value: Any) -> Any:
+        """Number in our unit; what is neither text nor a number is left to pydantic to refuse."""
+        if isinstance(value, bool):
+            raise _refuse(value, self.unit)
+        if not isinstance(value, str):
+            return value
+        match = _NUMBER.fullmatch(value)
+        if match is None:
+            raise _refuse(value, self.unit)
+        number, unit = match.groups()
+        if not unit:
+            return float(number)
+        factor = UNITS.get(self.unit, {}).get(unit)
+        if factor is None:
+            raise _refuse(value, self.unit)
+        # Division is exact where the factor's inverse is a whole number: 400 um is 0.4 mm.
+        inverse = round(1.0 / factor) if factor < 1.0 else 0
+        exact = inverse and abs(inverse * factor - 1.0) < 1e-12
+        return float(number) / inverse if exact else float(number) * factor
+
+
+def _refuse(value: Any, unit: str) -> PydanticCustomError:
+    known = ", ".join(UNITS.get(unit, {})) or "none"
+    return PydanticCustomError(
+        "quantity",
+        "{value} is not a value in {unit}: write a plain number, or a number and one of the "
+        "units {known}",
+        {"value": repr(value), "unit": unit, "known": known},
+    )
+
+
+def unit(name: str) -> BeforeValidator:
+    """Marker for `Annotated[float, unit("mm")]`: accepts 0.4 and '0.4 mm'."""
+    return BeforeValidator(Quantity(name).read)
+
+
+def declared(default: Any, meaning: str, **bounds: Any) -> Any:
+    """Field with its default, meaning and bounds, declared here and nowhere else.
+
+    Parameters
+    ----------
+    default : `...` for a required field.
+    meaning : what it is, a few words; shown by `flexscale run --fields`.
+    bounds : pydantic's gt, ge, lt, le, min_length, …
+    """
+    return Field(default, description=meaning, validate_default=True, **bounds)
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Unit a field was annotated with, "" for pure numbers and text."""
+    for marker in field.metadata:
+        quantity = getattr(getattr(marker, "func", None), "__self__", None)
+        if isinstance(quantity, Quantity):
+            return quantity.unit
+    return ""
+
+
+def series(name: str) -> BeforeValidator:
+    """Marker for a tuple of values: a list, or {start, stop, step} without `stop` itself."""
+
+    def expand(value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        if set(value) != {"start", "stop", "step"}:
+            raise PydanticCustomError(
+                "series", "a range has exactly the keys start, stop (not included) and step", {}
+            )
+        start, stop, step = (Quantity(name).read(value[key]) for key in ("start", "stop", "step"))
+        numbers = all(isinstance(number, int | float) for number in (start, stop, step))
+        if not numbers or step <= 0.0 or stop <= start or (stop - start) / step > 10_000:
+            raise PydanticCustomError(
+                "series", "a range needs step > 0, stop > start and at most 10000 values", {}
+            )
+        # A little short of `stop`, so that rounding never adds it; 12 digits keep 0.0015 itself.
+        count = math.ceil((stop - start) / step - 1e-9)
+        return [float(f"{start + index * step:.12g}") for index in range(count)]
+
+    return BeforeValidator(expand)

@@ -1,0 +1,94 @@
+"""Sentences for people: which samples of a dataset failed, and what an experiment may say."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, get_args, get_origin
+
+import numpy as np
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from flexscale.datasets.store import Entry, Store
+from flexscale.status import SolveStatus
+from flexscale.steps.quantities import unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def failed_samples(dataset: xr.Dataset) -> list[str]:
+    """One line per sample that did not converge: status, direction, side, curvature.
+
+    Directions filled in by symmetry are left out; their source is listed. Datasets without a
+    status have none.
+    """
+    if "status" not in dataset:
+        return []
+    lines = []
+    sides, directions = dataset["side"].values, dataset["direction"].values
+    for side, direction, curvature in np.argwhere(dataset["status"].values != 0):
+        if dataset["symmetry_source"].values[side, direction] != directions[direction]:
+            continue
+        status = SolveStatus(int(dataset["status"].values[side, direction, curvature]))
+        lines.append(
+            f"{status.name}: direction {directions[direction]:g} degree, {sides[side]}, "
+            f"curvature {dataset['curvature'].values[curvature]:g} mm-1"
+        )
+    return lines
+
+
+def outcome(store: Store, entry: Entry) -> tuple[str, list[str]]:
+    """How the samples of a stored dataset ended.
+
+    Returns
+    -------
+    For instance ``("  168 samples, 1 not converged", [one line on it])``; ``("", [])`` for
+    datasets without samples.
+    """
+    samples, failed = entry.row["samples"], entry.row["failed"]
+    if not samples:
+        return "", []
+    text = f"  {samples} samples, {failed} not converged" if failed else f"  {samples} samples"
+    return text, failed_samples(store.load(entry)) if failed else []
+
+
+def describe_fields(block: type[BaseModel], prefix: str = "") -> str:
+    """Lines on every field of an experiment block: name, unit, default, bounds and meaning."""
+    lines = []
+    for name, field in block.model_fields.items():
+        inner = _inner_block(field.annotation)
+        place = f"{prefix}{name}"
+        unit = unit_of(field)
+        facts = [f"[{unit}]"] if unit not in ("", "1") else []
+        facts += [f"{_SIGNS[key]} {value:g}" for key, value in _bounds(field).items()]
+        if field.is_required():
+            facts.append("required")
+        elif inner is None:
+            facts.append(f"default {_shown(field.default)}")
+        lines.append(f"{place:<38} {field.description} {' '.join(facts)}".rstrip() + "\n")
+        if inner is not None:
+            step = ".NAME." if get_origin(field.annotation) is dict else "."
+            lines.append(describe_fields(inner, place + step))
+    return "".join(lines)
+
+
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+def _bounds(field: FieldInfo) -> dict[str, float]:
+    found = ((key, getattr(item, key, None)) for item in field.metadata for key in _SIGNS)
+    return {key: value for key, value in found if value is not None}
+
+
+def _inner_block(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    found = (_inner_block(argument) for argument in get_args(annotation))
+    return next((block for block in found if block is not None), None)
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        few = ", ".join(_shown(item) for item in value[:3])
+        return f"[{few}{', …' if len(value) > 3 else ''}]"
+    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

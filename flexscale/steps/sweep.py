@@ -1,0 +1,30 @@
+"""Step `sweep`: a pattern bent in many directions, to both sides, to many curvatures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from flexscale.homogenize import SolverOptions, sweep
+from flexscale.steps.base import Resources
+from flexscale.steps.catalog import SweepParameters
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def compute(
+    parameters: SweepParameters, inputs: Mapping[str, xr.Dataset], resources: Resources
+) -> xr.Dataset:
+    """Dataset of kind sweep/1; samples that did not converge carry a status and no numbers."""
+    return sweep(
+        parameters.build_pattern(),
+        parameters.directions,
+        parameters.curvatures,
+        sides=parameters.sides,
+        mesh=parameters.build_mesh_options(),
+        solver=SolverOptions(**parameters.solver),
+        workers=resources.workers,
+        checkpoint=resources.checkpoint,
+        on_sample=resources.on_sample,
+    )

@@ -1,0 +1,29 @@
+"""Step `tangent`: bending stiffness of the flat sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from flexscale.datasets.build import build_tangent_dataset
+from flexscale.homogenize import tangent_stiffness
+from flexscale.homogenize.labels import pattern_scalars
+from flexscale.steps.base import Resources
+from flexscale.steps.catalog import TangentParameters
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def compute(
+    parameters: TangentParameters, inputs: Mapping[str, xr.Dataset], resources: Resources
+) -> xr.Dataset:
+    """Dataset of kind tangent/1."""
+    pattern, options = parameters.build_pattern(), parameters.build_mesh_options()
+    tangent = tangent_stiffness(pattern, mesh=options)
+    return build_tangent_dataset(
+        tangent.matrix,
+        parameters.directions,
+        scalars=pattern_scalars(pattern, options),
+        config=parameters.model_dump(mode="json"),
+    )

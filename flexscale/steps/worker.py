@@ -1,0 +1,127 @@
+"""One job in a process of its own: load the inputs, call the step, publish what it made."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import signal
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from flexscale.datasets.store import Entry, Store
+from flexscale.errors import FlexScaleError
+from flexscale.steps.base import Resources
+from flexscale.steps.catalog import STEPS
+from flexscale.steps.environment import EVENTS, RUN_PID
+from flexscale.steps.events import EventWriter
+from flexscale.steps.experiment import load_experiment
+from flexscale.steps.figures import FIGURE, draw_figure
+from flexscale.steps.plan import Job, Plan, build_plan
+from flexscale.steps.summary import failed_samples
+
+
+def run_job(plan: Plan, job: Job, store: Store, workers: int, events: EventWriter) -> None:
+    """Do one job, unless its result is there already.
+
+    Parameters
+    ----------
+    plan : the plan the job belongs to; the results of its inputs are stored.
+    store : where results are.
+    workers : processes the job may use.
+    events : told of the start, of every sample, and of the end.
+    """
+    started = time.monotonic()
+    events.write("start", job.id)
+    entries = plan.needed_for(job).stored(store)
+    inputs = [entries[needed] for needed in job.inputs]
+    if job.step == FIGURE:
+        path = draw_figure(job.title, job.pattern, inputs[0], store)
+        events.write("end", job.id, result=str(path), seconds=time.monotonic() - started)
+        return
+    entry = store.lookup(job.step, job.recipe, inputs)
+    if entry is None:
+        entry = _compute(job, store, inputs, workers, events)
+    events.write("end", job.id, result=entry.id, seconds=time.monotonic() - started)
+
+
+def _compute(
+    job: Job, store: Store, inputs: list[Entry], workers: int, events: EventWriter
+) -> Entry:
+    started = time.monotonic()
+    step = STEPS[job.step]
+    parameters = step.parameters.model_validate(job.recipe.parameters)
+    datasets = {entry.kind: store.load(entry) for entry in inputs}
+    resources = Resources(
+        workers=workers if step.parallel else 1,
+        checkpoint=store.checkpoint(job.recipe, inputs) if step.parallel else None,
+        on_sample=lambda event: events.write("sample", job.id, **_facts(event)),
+    )
+    dataset = step.compute(parameters, datasets, resources)
+    usage = [resource.getrusage(who).ru_maxrss for who in _WHO]
+    record: dict[str, Any] = {
+        "wall_seconds": round(time.monotonic() - started, 3),
+        "peak_memory_mib": round(max(usage) / 1024.0, 1),
+        "workers": resources.workers,
+        "failed_samples": failed_samples(dataset),
+    }
+    return store.publish(dataset, job.step, job.recipe, inputs, record)
+
+
+_WHO = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+_FACTS = ("done", "total", "n_failed", "direction", "side", "curvature", "seconds")
+
+
+def _facts(event: Any) -> dict[str, Any]:
+    return {name: getattr(event, name) for name in _FACTS}
+
+
+def watch_parent(pid: int) -> None:
+    """Kill this process group as soon as the process `pid` is gone.
+
+    `flexscale run` may be killed without a chance to clean up; nothing may then keep computing
+    behind the user's back.
+    """
+    parent = psutil.Process(pid)
+
+    def watch() -> None:
+        while parent.is_running() and parent.status() != psutil.STATUS_ZOMBIE:
+            time.sleep(1.0)
+        os.killpg(os.getpgrp(), signal.SIGKILL)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def main(arguments: list[str]) -> int:
+    """Run one job; the exit code is that of the error's class, 1 for a bug."""
+    parser = argparse.ArgumentParser(prog="python -m flexscale.steps", description=__doc__)
+    parser.add_argument("experiment", type=Path)
+    parser.add_argument("job")
+    parser.add_argument("--results", type=Path, required=True)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--stamp", type=Path, required=True)
+    options = parser.parse_args(arguments)
+    events = EventWriter(Path(os.environ[EVENTS]) if EVENTS in os.environ else None)
+    if RUN_PID in os.environ:
+        watch_parent(int(os.environ[RUN_PID]))
+    try:
+        plan = build_plan(load_experiment(options.experiment))
+        run_job(plan, plan[options.job], Store(options.results), options.workers, events)
+    except FlexScaleError as error:
+        events.write("error", options.job, message=str(error), exit_code=error.exit_code)
+        print(f"error: {error}", file=sys.stderr)
+        return error.exit_code
+    except Exception as error:  # reported as a bug, with the trace, by the process that waits
+        trace = traceback.format_exc()
+        events.write("error", options.job, message=repr(error), exit_code=1, trace=trace)
+        print(trace, file=sys.stderr)
+        return 1
+    options.stamp.parent.mkdir(parents=True, exist_ok=True)
+    options.stamp.touch()
+    return 0

@@ -85,6 +85,19 @@ class Registry:
         entry = self.get(dataset) if isinstance(dataset, str) else dataset
         return read_record(entry.folder)
 
+    def lineage(self, dataset: str | Entry) -> pd.DataFrame:
+        """The dataset and all it was made from, with steps, versions and commits."""
+        from flexscale.datasets.compare import lineage
+
+        entry = self.get(dataset) if isinstance(dataset, str) else dataset
+        return lineage(entry, {item.id: item for item in self._entries})
+
+    def diff(self, first: str, second: str) -> pd.DataFrame:
+        """Recipe keys and variables in which two datasets differ, and by how much."""
+        from flexscale.datasets.compare import difference
+
+        return difference(self.get(first), self.get(second))
+
     def reindex(self) -> Registry:
         """Rebuild local/catalog.csv from the folders and return the registry opened anew."""
         if (self.root / "local").is_dir():

@@ -14,6 +14,7 @@ from flexscale.units import require_finite
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 #: relative distance within which two numbers count as the same value
 SAME = 1e-9
@@ -163,6 +164,12 @@ class Selection(Sequence[Entry]):
         )
         units = {name: f"{name} [{unit}]" for name, (_, unit) in COLUMNS.items() if unit}
         return frame.rename(columns=units)
+
+    def to_tree(self) -> xr.DataTree:
+        """The datasets, loaded, as a tree /family/pattern."""
+        from flexscale.datasets.compare import to_tree
+
+        return to_tree(self)
 
     def __repr__(self) -> str:
         return f"{len(self)} datasets\n{self.table().to_string(max_rows=20)}" if self else "nothing"

@@ -82,3 +82,22 @@ def cell(**scalars: Any) -> xr.Dataset:
         "n_scales": 1,
     }
     return build_dataset("cell", arrays, scalars={**SCALARS, **scalars}, config={"across": 2})
+
+
+def shape() -> xr.Dataset:
+    """Two samples of one triangle and one tetrahedron."""
+    arrays = {
+        "sample_direction": [0.0, 45.0],
+        "sample_curvature": [0.01, -0.01],
+        "lattice": np.diag([10.0, 10.0]),
+        "stretch": np.tile([1.0, 1.0, 0.0], (2, 1)),
+        "points": np.vstack([np.zeros(3), np.eye(3)]),
+        "displacement": np.ones((2, 4, 3)),
+        "triangles": [[0, 1, 2]],
+        "triangle_scale": [-1],
+        "tets": [[0, 1, 2, 3]],
+        "tet_scale": [0],
+        "surface_triangles": [[0, 2, 1]],
+        "surface_scale": [0],
+    }
+    return build_dataset("shape", arrays, scalars=SCALARS, config={"samples": 2})

@@ -10,7 +10,7 @@ from flexscale.datasets.build import build_sweep_dataset, build_tangent_dataset
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.schema import SCHEMAS, derive
 from flexscale.errors import MissingDataError, SchemaError, UnknownNameError
-from tests.unit.dataset_samples import SCALARS, cell, sweep, sweep_arrays
+from tests.unit.dataset_samples import SCALARS, cell, shape, sweep, sweep_arrays
 
 
 def test_built_datasets_pass_their_own_check() -> None:
@@ -123,6 +123,16 @@ def test_mesh_indices_must_stay_in_range() -> None:
     dataset["triangles"].values[1, 2] = 1
     with pytest.raises(SchemaError, match="triangles points outside the 1 entries of vertex"):
         check_dataset(dataset, "cell")
+
+
+def test_a_shape_may_lack_whole_states_only() -> None:
+    dataset = shape()
+    check_dataset(dataset, "shape")
+    dataset["displacement"].values[1] = np.nan
+    check_dataset(dataset, "shape")
+    dataset["displacement"].values[0, 2, 1] = np.nan
+    with pytest.raises(SchemaError, match="displacement holds values that are not finite"):
+        check_dataset(dataset, "shape")
 
 
 def test_building_names_the_odd_array() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexscale.datasets.staging import FileCheckpoint
+from flexscale.datasets.staging import FileCheckpoint, write_atomically
 from flexscale.errors import BadInputError
 
 
@@ -98,3 +98,18 @@ def test_what_cannot_come_back_is_refused(tmp_path: Path) -> None:
         with pytest.raises(BadInputError, match="cannot hold"):
             checkpoint.append("line", {"value": value})
     assert not list(tmp_path.rglob("*.npz"))
+
+
+def test_a_file_keeps_its_old_content_until_the_new_is_complete(tmp_path: Path) -> None:
+    path = tmp_path / "catalog.csv"
+    write_atomically(path, lambda file: file.write_text("old"))
+
+    def fail_halfway(file: Path) -> None:
+        file.write_text("ne")
+        assert path.read_text() == "old"
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        write_atomically(path, fail_halfway)
+    assert [item.name for item in tmp_path.iterdir()] == ["catalog.csv"]
+    assert path.read_text() == "old"

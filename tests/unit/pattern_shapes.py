@@ -67,6 +67,18 @@ SHAPES: dict[str, tuple[Pattern, list[int]]] = {
         ),
         [1],
     ),
+    # The long brick's middle edge ends straight on both sides: diagonals of equal length.
+    "wide and narrow": (
+        custom(
+            [
+                [(0, 0), (30, 0), (30, 5), (0, 5)],
+                *([(x, 5), (x + 10, 5), (x + 10, 10), (x, 10)] for x in (0, 10, 20)),
+            ],
+            (30, 0),
+            (0, 10),
+        ),
+        [4, 4],
+    ),
     # Rows shifted by less than the gap: the outline has no corner for the short edges.
     "nearly aligned": (custom([SQUARE], (10, 0), (0.1, 10)), [2]),
 }

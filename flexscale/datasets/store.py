@@ -67,6 +67,8 @@ class Store:
                 entry = entry_of_folder(folder, layer)
                 if entry.recipe_digest == digest:
                     verify_file(entry.folder, read_record(folder))
+                    # Samples are left when a kill came between publishing and clearing them.
+                    self.checkpoint(recipe, inputs).clear()
                     return entry
         return None
 

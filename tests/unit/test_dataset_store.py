@@ -235,6 +235,16 @@ def test_publishing_clears_the_checkpoint(store: Store) -> None:
     assert not checkpoint.folder.exists()
 
 
+def test_samples_left_by_a_kill_after_publishing_are_cleared(store: Store) -> None:
+    publish(store)
+    checkpoint = store.checkpoint(recipe())
+    checkpoint.append("closing 0", {"moment": 1.0})
+    store.lookup("sweep", recipe(gap=0.5))
+    assert checkpoint.folder.exists()
+    store.lookup("sweep", recipe())
+    assert not checkpoint.folder.exists()
+
+
 def test_export_and_description(store: Store, tmp_path: Path) -> None:
     entry = publish(store)
     copy = export(entry, tmp_path)

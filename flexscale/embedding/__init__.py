@@ -1,1 +1,1 @@
-"""From unknowns to world vectors: the curvature map, the periodic cell, and the pull-back of forces and stiffness."""
+"""From unknowns to world vectors: curvature map, periodic cell, pull-back."""

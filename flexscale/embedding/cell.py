@@ -3,12 +3,15 @@
 Unknowns z, in this order:
 
 - three curvilinear coordinates w of every scale vertex;
-- of every free substrate vertex w, then the parameter gradients g_u, g_v in the cylinder's frame (9 numbers);
+- of every free substrate vertex w, then the parameter gradients g_u, g_v in the cylinder's frame (9
+numbers);
 - of every free gap edge the gradient g_n across it (3);
-- of every smooth outline vertex and outline edge p, q, the in-plane part of the derivative across the outline (2);
+- of every smooth outline vertex and outline edge p, q, the in-plane part of the derivative across
+the outline (2);
 - S = (Sxx, Syy, Sxy), the homogeneous in-plane strain: lattice vectors become (I + S) L [Eq. 6].
 
-Periodicity (3)-(6) holds by construction: a corner (v, (m, n)) of an element is the image of vertex v.
+Periodicity (3)-(6) holds by construction: a corner (v, (m, n)) of an element is the image of vertex
+v.
 """
 
 from __future__ import annotations
@@ -106,7 +109,8 @@ class CellEmbedding:
     rest : (n_unknowns,) z of the flat, stress-free state.
     active : (n_unknowns - 2,) all unknowns but two that pin the in-plane translation.
     shift_unknown : index of one w3, used to hold the shift of w3 while factorizing.
-    mean_offset : (n_unknowns,) c / A: c z / A is the mean normal displacement of the substrate [Eq. 8], mm.
+    mean_offset : (n_unknowns,) c / A: c z / A is the mean normal displacement of the substrate [Eq.
+        8], mm.
     shift_mode : (n_unknowns,) the uniform unit shift of w3.
     tet_vectors : (n_tets, 4) rows of y with the scales' vertices.
     shell : rows and geometry of the gap triangles.
@@ -179,7 +183,11 @@ class CellEmbedding:
 
     def _bond_row(self, bond: int) -> tuple[IntArray, FloatArray, FloatArray]:
         part = slice(self._bonds.indptr[bond], self._bonds.indptr[bond + 1])
-        return self._bonds.scale_vertices[part], self._bonds.values[part], self._bonds.gradients[part]
+        return (
+            self._bonds.scale_vertices[part],
+            self._bonds.values[part],
+            self._bonds.gradients[part],
+        )
 
     def _add_scales(self, rows: _Rows) -> IntArray:
         home = np.zeros(2)
@@ -210,16 +218,15 @@ class CellEmbedding:
             return rows.row_of[key]
         mesh = self.mesh
         shift, anchor = offset @ mesh.lattice, mesh.positions[vertex]
+        first = self._position_row(rows, vertex, offset)
         if mesh.vertex_kind[vertex] == FREE:
             node = int(self.vertex_node[vertex])
-            first = rows.add(key, [rows.image(POSITION, node, shift, anchor)], _FREE_ROW)
             for k in (1, 2):
                 rows.add((*key, k), [rows.image(GRADIENT, node + 3 * k, shift, anchor)], _FREE_ROW)
             return first
-        carriers, values, slopes = self._bond_row(self._vertex_bond[vertex])
+        carriers, _, slopes = self._bond_row(self._vertex_bond[vertex])
         terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
-        zero = np.zeros_like(values)
-        first = rows.add(key, terms, np.stack([values, zero, zero], axis=1))
+        zero = np.zeros(len(carriers))
         for k in (0, 1):
             if mesh.vertex_kind[vertex] == OUTLINE_CORNER:
                 weights, slide = np.stack([slopes[:, k], zero, zero], axis=1), -1
@@ -227,7 +234,9 @@ class CellEmbedding:
                 tangent = mesh.outline_tangent[vertex]
                 normal = _left_normal(tangent)
                 along, across = slopes @ tangent, slopes @ normal
-                weights = np.stack([tangent[k] * along, normal[k] * across, normal[k] * along], axis=1)
+                weights = np.stack(
+                    [tangent[k] * along, normal[k] * across, normal[k] * along], axis=1
+                )
                 slide = int(self.vertex_slide[vertex])
             rows.add((*key, k + 1), terms, weights, slide)
         return first
@@ -246,6 +255,39 @@ class CellEmbedding:
         along, across = slopes @ self.edge_tangent[edge], slopes @ self.edge_normal[edge]
         weights = np.stack([np.zeros_like(along), across, along], axis=1)
         return rows.add(key, terms, weights, int(self.edge_slide[edge]))
+
+    def display_map(self) -> tuple[WorldMap, IntArray]:
+        """Positions of all scale vertices and of all substrate corners, also under the scales.
+
+        Returns
+        -------
+        world_map : rows are the scale vertices, then the distinct images (v, (m, n)) of substrate
+            vertices.
+        triangles : (n_triangles, 3) rows of the substrate triangles' corners.
+        """
+        mesh, rows = self.mesh, _Rows()
+        self._add_scales(rows)
+        triangles = np.empty_like(mesh.triangles)
+        for triangle in range(mesh.n_triangles):
+            for corner in range(3):
+                vertex = int(mesh.triangles[triangle, corner])
+                offset = mesh.triangle_offsets[triangle, corner]
+                triangles[triangle, corner] = self._position_row(rows, vertex, offset)
+        return rows.world_map(self.n_unknowns), triangles
+
+    def _position_row(self, rows: _Rows, vertex: int, offset: IntArray) -> int:
+        """Row x of a vertex image."""
+        key = ("vertex", vertex, *offset.tolist())
+        if key in rows.row_of:
+            return rows.row_of[key]
+        shift, anchor = offset @ self.mesh.lattice, self.mesh.positions[vertex]
+        if self.mesh.vertex_kind[vertex] == FREE:
+            image = rows.image(POSITION, int(self.vertex_node[vertex]), shift, anchor)
+            return rows.add(key, [image], _FREE_ROW)
+        carriers, values, _ = self._bond_row(self._vertex_bond[vertex])
+        terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
+        zero = np.zeros_like(values)
+        return rows.add(key, terms, np.stack([values, zero, zero], axis=1))
 
     def _build_mean_offset(self) -> FloatArray:
         """Mass-weighted mean of w3 over the whole midsurface, also under the scales [Eq. 8]."""

@@ -1,15 +1,17 @@
 """The cylinder of curvature kappa in direction alpha, regular at kappa = 0 [Eqs. 1, 2, 14, 15].
 
-With n = (cos alpha, sin alpha), m = (-sin alpha, cos alpha), q1 = n . P, q2 = m . P, theta = kappa q1, a point at
-in-plane coordinates P and height w3 goes to
+With n = (cos alpha, sin alpha), m = (-sin alpha, cos alpha), q1 = n . P, q2 = m . P, theta = kappa
+q1, a point at in-plane coordinates P and height w3 goes to
 
     x = n (sin(theta)/kappa - w3 sin theta) + m q2 + e3 ((1 - cos theta)/kappa + w3 cos theta),
 
-the paper's map moved by 1/kappa so that kappa -> 0 is the identity. kappa > 0 closes scales on the +w3 side.
+the paper's map moved by 1/kappa so that kappa -> 0 is the identity. kappa > 0 closes scales on the
++w3 side.
 
-A lattice image of the cell is a rigid motion of it: P = w + (I + S) L for a lattice vector L, and vectors (the
-substrate's parameter gradients g) turn with the cylinder by kappa n . (X + (I + S) L), X a fixed anchor.
-Every quantity here therefore depends on three home unknowns and, for L != 0, on S = (Sxx, Syy, Sxy).
+A lattice image of the cell is a rigid motion of it: P = w + (I + S) L for a lattice vector L, and
+vectors (the substrate's parameter gradients g) turn with the cylinder by kappa n . (X + (I + S) L),
+X a fixed anchor. Every quantity here therefore depends on three home unknowns and, for L != 0, on S
+= (Sxx, Syy, Sxy).
 """
 
 from __future__ import annotations
@@ -93,7 +95,7 @@ def _frame_angle(z, anchor, shift, n_unknowns, n0, n1):
 
 @njit(cache=True)
 def place_images(z, curvature, direction, kinds, nodes, shifts, anchors, x, jacobian, kappa_rate):
-    """Fill x (n, 3), jacobian (n, 3, 6) in (home, S) and kappa_rate (n, 3) = dx/dkappa at fixed z."""
+    """Fill x (n, 3), jacobian (n, 3, 6) in (home, S), kappa_rate (n, 3) = dx/dkappa at fixed z."""
     n0, n1 = np.cos(direction), np.sin(direction)
     point, rates = np.empty(3), np.empty((2, 3))
     for k in range(len(kinds)):
@@ -218,10 +220,11 @@ def curve_images(z, curvature, direction, kinds, nodes, shifts, anchors, forces,
 
 
 def flat_curvature_rates(images: ImageVectors, z: FloatArray) -> FloatArray:
-    """(3, n, 3) derivatives of the images at the flat rest state for unit kappa_xx, kappa_yy, kappa_xy.
+    """(3, n, 3) derivatives of the images at the flat rest state for unit kappa_xx, kappa_yy,
+    kappa_xy.
 
-    x = w + (w . K w)/2 e3 - w3 K w to first order in the symmetric curvature tensor K; vectors turn with the
-    surface, g -> g + (g . K X) e3 - g3 K X. A unit kappa_xy is K = e1 e2 + e2 e1.
+    x = w + (w . K w)/2 e3 - w3 K w to first order in the symmetric curvature tensor K; vectors turn
+    with the surface, g -> g + (g . K X) e3 - g3 K X. A unit kappa_xy is K = e1 e2 + e2 e1.
     """
     tensors = np.array([[[1.0, 0], [0, 0]], [[0, 0], [0, 1.0]], [[0, 1.0], [1.0, 0]]])
     home = np.stack([z[images.nodes + c] for c in range(3)], axis=1)

@@ -1,8 +1,8 @@
 """Sparse Hessian of the pulled-back energy: H = J^T (d2E/dy2) J + sum dE/dy . d2y/dz2.
 
-The pattern is found once per mesh; every later assembly adds into known slots. Only the upper triangle is kept.
-Element blocks are first summed into blocks of world-vector pairs (a, b), a <= b, so that each pair is pulled back
-once however many elements share it.
+The pattern is found once per mesh; every later assembly adds into known slots. Only the upper
+triangle is kept. Element blocks are first summed into blocks of world-vector pairs (a, b), a <= b,
+so that each pair is pulled back once however many elements share it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ class PullBack:
 
     Attributes
     ----------
-    indptr, indices : CSR pattern of the upper triangle, (n_active + 1,) and (nnz,), diagonal included.
+    indptr, indices : CSR pattern of the upper triangle, (n_active + 1,) and (nnz,), diagonal
+        included.
     """
 
     def __init__(self, world_map: WorldMap, energies: Sequence[Energy], active: IntArray) -> None:
@@ -63,7 +64,9 @@ class PullBack:
         rows = np.repeat(np.arange(m.n_rows), np.diff(m.indptr))
         kept = columns >= 0
         ones = np.ones(int(kept.sum()), dtype=np.float32)
-        jacobian = sp.csr_array((ones, (rows[kept], columns[kept])), shape=(m.n_rows, self.n_active))
+        jacobian = sp.csr_array(
+            (ones, (rows[kept], columns[kept])), shape=(m.n_rows, self.n_active)
+        )
         ones = np.ones(len(self.pairs), dtype=np.float32)
         blocks = sp.csr_array((ones, self.pairs.T), shape=(m.n_rows, m.n_rows))
         blocks = blocks + blocks.T
@@ -116,12 +119,20 @@ class PullBack:
     ) -> FloatArray:
         """(nnz,) values of the upper triangle on the fixed pattern.
 
-        `blocks` from `pair_blocks`; `forces` = dE/dy and `second` = `WorldMap.second_order`, the map's own part.
+        `blocks` from `pair_blocks`; `forces` = dE/dy and `second` = `WorldMap.second_order`, the
+        map's own part.
         """
         m = self.world_map
         values = np.zeros(len(self.indices) + 1)  # the last slot swallows entries that are not kept
         _pull_pairs(
-            self.pairs, blocks, m.indptr, m.columns, world.jacobian, self._pair_indptr, self._pair_slots, values
+            self.pairs,
+            blocks,
+            m.indptr,
+            m.columns,
+            world.jacobian,
+            self._pair_indptr,
+            self._pair_slots,
+            values,
         )
         _add_images(second.hessian, self._image_slots, values)
         _add_slides(
@@ -180,7 +191,9 @@ def _find_image_slots(local, indptr, indices, slots):
     for n in range(len(local)):
         for i in range(6):
             for j in range(6):
-                slots[n, i, j] = _slot(local[n, i], local[n, j], indptr, indices) if i <= j else len(indices)
+                slots[n, i, j] = (
+                    _slot(local[n, i], local[n, j], indptr, indices) if i <= j else len(indices)
+                )
 
 
 @njit(cache=True)
@@ -257,7 +270,9 @@ def _add_slides(
                 values[slots[k + d, 1]] += weights[t, 2] * pulled
                 if shifted[r]:
                     pulled = (
-                        forces[r, 0] * j[0, 3 + d] + forces[r, 1] * j[1, 3 + d] + forces[r, 2] * j[2, 3 + d]
+                        forces[r, 0] * j[0, 3 + d]
+                        + forces[r, 1] * j[1, 3 + d]
+                        + forces[r, 2] * j[2, 3 + d]
                     )
                     values[slots[stretch + d, 0]] += weights[t, 1] * pulled
                     values[slots[stretch + d, 1]] += weights[t, 2] * pulled

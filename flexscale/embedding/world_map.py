@@ -1,13 +1,15 @@
-"""World vectors as combinations of image vectors, with first and second derivatives in the unknowns.
+"""World vectors as combinations of image vectors, with first and second derivatives in the
+unknowns.
 
 Row r of the world vectors is
 
     y_r = sum_t (c0_t + p_r c1_t + q_r c2_t) X_t
 
-over its terms t, X_t the image vectors of `curvature_map`. A free vertex or gradient is one term with c0 = 1.
-Substrate that is bonded to a scale takes several: the barycentric weights of the scale's base. On an outline the
-derivative across it keeps its in-plane part free, x_n = F (p nu + q s) with F the base's deformation gradient:
-that is where the two unknowns p, q of a row come from (rest: p = 1, q = 0).
+over its terms t, X_t the image vectors of `curvature_map`. A free vertex or gradient is one term
+with c0 = 1. Substrate that is bonded to a scale takes several: the barycentric weights of the
+scale's base. On an outline the derivative across it keeps its in-plane part free, x_n = F (p nu + q
+s) with F the base's deformation gradient: that is where the two unknowns p, q of a row come from
+(rest: p = 1, q = 0).
 """
 
 from __future__ import annotations
@@ -56,7 +58,8 @@ class WorldMap:
 
     Attributes
     ----------
-    indptr : (n_rows + 1,) columns of each row: home unknowns of its terms, then S if shifted, then p, q.
+    indptr : (n_rows + 1,) columns of each row: home unknowns of its terms, then S if shifted, then
+        p, q.
     columns : (indptr[-1],) indices into z.
     """
 
@@ -81,7 +84,13 @@ class WorldMap:
         self.indptr = np.concatenate([[0], np.cumsum(n_columns)])
         self.columns = np.empty(self.indptr[-1], dtype=np.int64)
         _fill_columns(
-            term_indptr, images.nodes[terms], self.shifted, slide, n_unknowns, self.indptr, self.columns
+            term_indptr,
+            images.nodes[terms],
+            self.shifted,
+            slide,
+            n_unknowns,
+            self.indptr,
+            self.columns,
         )
 
     def _image_arguments(self, z: FloatArray, bend: Bend) -> tuple:
@@ -122,7 +131,9 @@ class WorldMap:
         _pull_gradient(self.indptr, self.columns, world.jacobian, forces, out)
         return out
 
-    def second_order(self, z: FloatArray, bend: Bend, world: World, forces: FloatArray) -> SecondOrder:
+    def second_order(
+        self, z: FloatArray, bend: Bend, world: World, forces: FloatArray
+    ) -> SecondOrder:
         """forces . d2y: the part of the pulled-back Hessian that the map itself contributes."""
         image_forces = np.zeros_like(world.image_x)
         _spread(z, forces, *self._structure(), image_forces)

@@ -1,4 +1,4 @@
-"""The native model of one pattern: energies on the periodic cell, and the cell under a given bend."""
+"""The native model of one pattern: energies on the periodic cell, and the cell under a bend."""
 
 from __future__ import annotations
 
@@ -103,7 +103,10 @@ class CellProblem:
         )
         position = int(np.searchsorted(self.active, self.embedding.shift_unknown))
         self.system = ConstrainedSystem(
-            factorization, self.pull_back.diagonal, self.embedding.mean_offset[self.active], position
+            factorization,
+            self.pull_back.diagonal,
+            self.embedding.mean_offset[self.active],
+            position,
         )
         self.shift_mode = self.embedding.shift_mode[self.active]
         # Energies below this are rounding: strains of 1e-12 all over the sheet.
@@ -129,7 +132,7 @@ class CellProblem:
 
 
 class BentCell:
-    """Objective for Newton's method: a cell problem under one bend (see `solve.newton.Objective`)."""
+    """A cell problem under one bend: an `Objective` for `solve.newton`."""
 
     def __init__(self, problem: CellProblem, bend: Bend) -> None:
         self.problem = problem

@@ -22,13 +22,14 @@ class TangentStiffness:
 
     Attributes
     ----------
-    matrix : (3, 3) N mm; energy density 1/2 k^T C k for k = (kappa_xx, kappa_yy, 2 kappa_xy) in mm-1.
+    matrix : (3, 3) N mm; energy density 1/2 k^T C k for k = (kappa_xx, kappa_yy, 2 kappa_xy) in
+        mm-1.
     """
 
     matrix: FloatArray
 
     def stiffness(self, direction: ArrayLike) -> float | FloatArray:
-        """a = C : (n n n n) for bending in `direction` [degrees], N mm; same shape as `direction`."""
+        """a = C : (n n n n) for bending in `direction` [degrees], N mm; of the same shape."""
         angle = np.radians(np.asarray(direction, dtype=float))
         c, s = np.cos(angle), np.sin(angle)
         k = np.stack([c * c, s * s, 2.0 * c * s], axis=-1)
@@ -81,7 +82,10 @@ def solve_tangent(problem: CellProblem) -> TangentStiffness:
     loads = [embedding.world_map.pull_gradient(state.world, s)[problem.active] for s in stressed]
     relaxed = [problem.system.solve(-load)[0] for load in loads]
     matrix = np.array(
-        [[np.sum(rates[i] * stressed[j]) + loads[i] @ relaxed[j] for j in range(3)] for i in range(3)]
+        [
+            [np.sum(rates[i] * stressed[j]) + loads[i] @ relaxed[j] for j in range(3)]
+            for i in range(3)
+        ]
     )
     return TangentStiffness(0.5 * (matrix + matrix.T) / problem.area)
 

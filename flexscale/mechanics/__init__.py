@@ -1,1 +1,1 @@
-"""Energies as pure functions of world vectors, and their assembly; nothing here knows of periodicity or curvature."""
+"""Energies as pure functions of world vectors; nothing here knows of periodicity or curvature."""

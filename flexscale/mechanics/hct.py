@@ -52,7 +52,10 @@ def hct_ordinates(corners: FloatArray, edge_normals: FloatArray) -> FloatArray:
     c = np.zeros((n, 3, 4, 4, 4, N_DOFS))
     for k in range(3):
         i, j = k, (k + 1) % 3
-        for vertex, other, full, near in ((i, j, (3, 0, 0), (2, 1, 0)), (j, i, (0, 3, 0), (1, 2, 0))):
+        for vertex, other, full, near in (
+            (i, j, (3, 0, 0), (2, 1, 0)),
+            (j, i, (0, 3, 0), (1, 2, 0)),
+        ):
             inward = (2, 0, 1) if vertex == i else (0, 2, 1)
             for index, target in ((full, None), (near, corners[:, other]), (inward, centroid)):
                 c[(slice(None), k, *index, 3 * vertex)] = 1.0
@@ -60,10 +63,16 @@ def hct_ordinates(corners: FloatArray, edge_normals: FloatArray) -> FloatArray:
                     step = (target - corners[:, vertex]) / 3.0
                     c[(slice(None), k, *index, 3 * vertex + 1)] = step[:, 0]
                     c[(slice(None), k, *index, 3 * vertex + 2)] = step[:, 1]
-        d = _barycentric_direction(corners[:, i], corners[:, j], centroid, edge_normals[:, k])[..., None]
+        d = _barycentric_direction(corners[:, i], corners[:, j], centroid, edge_normals[:, k])[
+            ..., None
+        ]
         # Derivative along the normal at the edge's middle, all ordinates but c_111 known.
-        along = d[:, 0] * (0.25 * c[:, k, 3, 0, 0] + 0.5 * c[:, k, 2, 1, 0] + 0.25 * c[:, k, 1, 2, 0])
-        along += d[:, 1] * (0.25 * c[:, k, 2, 1, 0] + 0.5 * c[:, k, 1, 2, 0] + 0.25 * c[:, k, 0, 3, 0])
+        along = d[:, 0] * (
+            0.25 * c[:, k, 3, 0, 0] + 0.5 * c[:, k, 2, 1, 0] + 0.25 * c[:, k, 1, 2, 0]
+        )
+        along += d[:, 1] * (
+            0.25 * c[:, k, 2, 1, 0] + 0.5 * c[:, k, 1, 2, 0] + 0.25 * c[:, k, 0, 3, 0]
+        )
         along += d[:, 2] * 0.25 * (c[:, k, 2, 0, 1] + c[:, k, 0, 2, 1])
         normal_dof = np.zeros((n, N_DOFS))
         normal_dof[:, 9 + k] = 1.0 / 3.0
@@ -112,13 +121,16 @@ def hct_derivatives(corners: FloatArray, edge_normals: FloatArray) -> tuple[Floa
     for k in range(3):
         p0, p1 = corners[:, k], corners[:, (k + 1) % 3]
         rates = np.stack(
-            [_barycentric_direction(p0, p1, centroid, np.broadcast_to(a, p0.shape)) for a in axes], axis=2
+            [_barycentric_direction(p0, p1, centroid, np.broadcast_to(a, p0.shape)) for a in axes],
+            axis=2,
         )
         e1, e2 = p1 - p0, centroid - p0
         area = 0.5 * (e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0])
         weights[:, k] = area[:, None] * QUADRATURE_WEIGHTS
         for q, point in enumerate(QUADRATURE_POINTS):
-            first = np.stack([_quadratic_value(ordinates[:, k], m, point) for m in range(3)], axis=1)
+            first = np.stack(
+                [_quadratic_value(ordinates[:, k], m, point) for m in range(3)], axis=1
+            )
             derivatives[:, k, q, :2] = 3.0 * np.einsum("nmu,nmd->nud", rates, first)
             second = _linear_values(ordinates[:, k], point)
             hessian = 6.0 * np.einsum("nlu,nmv,nlmd->nuvd", rates, rates, second)
@@ -146,11 +158,13 @@ def _quadratic_value(c, step, point):
 
 
 def _linear_values(c, point):
-    """Linear polynomials with ordinates c_{abc + e_l + e_m} at a barycentric point: (n, 3, 3, 12)."""
+    """Linear polynomials with ordinates c_{abc + e_l + e_m} at a point: (n, 3, 3, 12)."""
     out = np.zeros((len(c), 3, 3, N_DOFS))
     for direction in range(3):
         unit = tuple(int(direction == m) for m in range(3))
         for first in range(3):
             for second in range(3):
-                out[:, first, second] += point[direction] * c[(slice(None), *_raised(unit, first, second))]
+                out[:, first, second] += (
+                    point[direction] * c[(slice(None), *_raised(unit, first, second))]
+                )
     return out

@@ -135,7 +135,7 @@ class NeoHookeanTets:
     shear_modulus, lame_lambda : MPa.
     """
 
-    part_names = ("scales",)
+    part_names: tuple[str, ...] = ("scales",)
 
     def __init__(
         self,

@@ -1,8 +1,8 @@
 """Geometrically exact Kirchhoff-Love sheet on C1 (Hsieh-Clough-Tocher) triangles: the substrate.
 
-At a quadrature point the five vectors x_u, x_v, x_uu, x_uv, x_vv give the first form a and, with the
-unit normal n = x_u x x_v / J, the second form b = (n . x_uu, n . x_uv, n . x_vv). With the dual basis
-a^u, a^v in the tangent plane, dn/dx_g = -a^g (x) n, so for each component of b = n . x_s
+At a quadrature point the five vectors x_u, x_v, x_uu, x_uv, x_vv give the first form a and, with
+the unit normal n = x_u x x_v / J, the second form b = (n . x_uu, n . x_uv, n . x_vv). With the dual
+basis a^u, a^v in the tangent plane, dn/dx_g = -a^g (x) n, so for each component of b = n . x_s
 
     db/dx_s         = n                       db/dx_g        = -G^g n,   G^g = a^g . x_s
     d2b/dx_s dx_g   = -a^g (x) n
@@ -208,7 +208,7 @@ class HctShell:
     bending_stiffness : N mm.
     """
 
-    part_names = ("membrane", "bending")
+    part_names: tuple[str, ...] = ("membrane", "bending")
 
     def __init__(
         self,

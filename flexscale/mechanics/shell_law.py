@@ -3,14 +3,15 @@
 The state of a point is the first form a and second form b of the midsurface in rest coordinates,
 s = (a11, a12, a22, b11, b12, b22); off-diagonals are one variable each.
 
-Membrane: t Psi with the thickness stretch lambda_3 eliminated (plane stress). With L = ln sqrt(det a) and
-y = lambda_3^2 the condition dPsi/dlambda_3 = 0 reads  mu (y - 1) + lambda (L + ln(y)/2) = 0, and then
+Membrane: t Psi with the thickness stretch lambda_3 eliminated (plane stress). With L = ln sqrt(det
+a) and y = lambda_3^2 the condition dPsi/dlambda_3 = 0 reads  mu (y - 1) + lambda (L + ln(y)/2) = 0,
+and then
 
     Psi = mu/2 (tr a - 2) + m(L),   m' = -mu y,   m'' = mu lambda / (mu + lambda / (2 y)).
 
-Bending: D/2 [(1 - nu) tr S^2 + nu (tr S)^2] = D/2 [(tr S)^2 - 2 (1 - nu) det S] with S = U^-1/2 b U^-1/2,
-U = sqrt(a): the turn of the normal per rest length. This symmetrization of U^-1 b has its traces. In two
-dimensions U = (a + J I) / tau with J = sqrt(det a), tau = sqrt(tr a + 2 J), hence
+Bending: D/2 [(1 - nu) tr S^2 + nu (tr S)^2] = D/2 [(tr S)^2 - 2 (1 - nu) det S] with S = U^-1/2 b
+U^-1/2, U = sqrt(a): the turn of the normal per rest length. This symmetrization of U^-1 b has its
+traces. In two dimensions U = (a + J I) / tau with J = sqrt(det a), tau = sqrt(tr a + 2 J), hence
 
     tr S = (adj(a) : b + J tr b) / (tau J),   det S = det b / J.
 """
@@ -23,7 +24,7 @@ from numba import njit
 
 @njit(cache=True)
 def thickness_stretch_squared(log_area, mu, lam):
-    """y - 1 where y = lambda_3^2 solves mu (y - 1) + lambda (L + ln(y)/2) = 0 for L = `log_area`."""
+    """y - 1 where y = lambda_3^2 solves mu (y - 1) + lambda (L + ln(y)/2) = 0, L = `log_area`."""
     # In ln y the equation is increasing and convex, so Newton converges from any start.
     z = -lam * log_area / (mu + 0.5 * lam)
     for _ in range(60):
@@ -54,7 +55,8 @@ def bending_energy(a, b, area, nu):
 
 @njit(cache=True)
 def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, grad, hess):
-    """Gradient (6,) and Hessian (6, 6) of the energy per rest area in s = (a11, a12, a22, b11, b12, b22).
+    """Gradient (6,) and Hessian (6, 6) of the energy per rest area in s = (a11, a12, a22, b11, b12,
+    b22).
 
     `e` = a - I as (11, 12, 22), `b` [mm-1]. Pass `hess` of shape (0, 0) to skip it.
     """

@@ -1,17 +1,18 @@
 """Linear systems with the mean-offset constraint c.z = 0 [Eqs. 8, 9].
 
-The bordered system [H c; c^T 0] is indefinite by construction, and at kappa = 0 H itself is singular: a uniform
-shift of w3 costs nothing. Both borders are therefore taken out by hand. With e the unit vector of one w3 and
-sigma > 0,
+The bordered system [H c; c^T 0] is indefinite by construction, and at kappa = 0 H itself is
+singular: a uniform shift of w3 costs nothing. Both borders are therefore taken out by hand. With e
+the unit vector of one w3 and sigma > 0,
 
     | K   e        c     | | dz |   | r |
     | e^T 1/sigma  0     | | t  | = | 0 |       K = H + sigma e e^T
     | c^T 0       -gamma | | mu |   | s |
 
-is the bordered system for gamma = 0: the second row gives t = -sigma e.dz and cancels sigma in the first. For
-gamma = 1/(2 rho) the third row gives mu = 2 rho (c.dz - s): Newton's system (H + 2 rho c c^T) of the augmented
-Lagrangian, and its solution through K is the Sherman-Morrison formula. Only K is factorized. By Haynsworth's
-additivity the inertia of H on {c.dz = 0} follows from that of K and of the 2x2 Schur complement.
+is the bordered system for gamma = 0: the second row gives t = -sigma e.dz and cancels sigma in the
+first. For gamma = 1/(2 rho) the third row gives mu = 2 rho (c.dz - s): Newton's system (H + 2 rho c
+c^T) of the augmented Lagrangian, and its solution through K is the Sherman-Morrison formula. Only K
+is factorized. By Haynsworth's additivity the inertia of H on {c.dz = 0} follows from that of K and
+of the 2x2 Schur complement.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ class ConstrainedSystem:
         self._borders = np.stack([unit, constraint], axis=1)
 
     def factorize(self, values: FloatArray, damping: float = 0.0) -> int:
-        """Factorize H + damping * mean(diag H) I; returns the negative eigenvalues of H on c.dz = 0.
+        """Factorize H + damping * mean(diag H) I; returns the negative eigenvalues of H on c.dz =
+        0.
 
         A singular K counts as one negative eigenvalue more.
         """

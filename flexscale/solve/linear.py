@@ -1,8 +1,9 @@
 """Sparse symmetric factorization behind one small interface.
 
-The upper triangle of the matrix comes as CSR values on a fixed pattern: the pattern is analyzed once, then
-factorized as often as its values change. Two backends: PARDISO (x86-64) and scipy's SuperLU, which works everywhere.
-`FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the choice.
+The upper triangle of the matrix comes as CSR values on a fixed pattern: the pattern is analyzed
+once, then factorized as often as its values change. Two backends: PARDISO (x86-64) and scipy's
+SuperLU, which works everywhere. `FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the
+choice.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ class PardisoFactorization:
         for number, value in settings.items():
             self._solver.set_iparm(number, value)
         self._matrix = sp.csr_array(
-            (np.zeros(len(indices)), indices.astype(np.int32), indptr.astype(np.int32)), shape=(n, n)
+            (np.zeros(len(indices)), indices.astype(np.int32), indptr.astype(np.int32)),
+            shape=(n, n),
         )
         self._call(11, np.zeros((n, 1), order="F"))
 
@@ -122,7 +124,8 @@ _BACKENDS: dict[str, type[PardisoFactorization] | type[SuperLuFactorization]] = 
 
 
 def available_linear_solver(name: str = "auto") -> str:
-    """Resolve "auto": the environment variable if set, else PARDISO if it can be loaded, else SuperLU.
+    """Resolve "auto": the environment variable if set, else PARDISO if it can be loaded, else
+    SuperLU.
 
     Raises
     ------
@@ -138,7 +141,7 @@ def available_linear_solver(name: str = "auto") -> str:
         return "pardiso"
     if name not in _BACKENDS:
         raise UnknownNameError(
-            f"There is no linear solver '{name}'{suggest(name, [*_BACKENDS, 'auto'])}"
+            f"There is no linear solver '{name}'. {suggest(name, [*_BACKENDS, 'auto'])}"
         )
     return name
 

@@ -1,8 +1,9 @@
 """Newton's method with line search for an energy under the mean-offset constraint [Eqs. 8, 9].
 
-Each iteration factorizes the Hessian as it is. Only if it has negative eigenvalues on the constraint is it
-replaced, for the search direction alone, by one of projected element Hessians, and then damped on the diagonal
-until positive. A stationary point with negative eigenvalues is a saddle: it is left along its most negative mode.
+Each iteration factorizes the Hessian as it is. Only if it has negative eigenvalues on the
+constraint is it replaced, for the search direction alone, by one of projected element Hessians, and
+then damped on the diagonal until positive. A stationary point with negative eigenvalues is a
+saddle: it is left along its most negative mode.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ class SolverOptions:
 
     Attributes
     ----------
-    constraint : "bordered" (one loop) or "augmented_lagrangian" with Sherman-Morrison, as in the paper.
+    constraint : "bordered" (one loop) or "augmented_lagrangian" with Sherman-Morrison, as in the
+        paper.
     tolerance : Newton decrement at which a state is accepted, relative to its energy.
     max_iterations : factorizations per equilibrium.
     penalty : N/mm, rho of the augmented Lagrangian.
@@ -44,7 +46,8 @@ class SolverOptions:
     def __post_init__(self) -> None:
         if self.constraint not in CONSTRAINT_METHODS:
             raise ConfigError(
-                f"There is no constraint method '{self.constraint}'{suggest(self.constraint, CONSTRAINT_METHODS)}"
+                f"There is no constraint method '{self.constraint}'. "
+                f"{suggest(self.constraint, CONSTRAINT_METHODS)}"
             )
         require_positive(self.tolerance, "solver tolerance", "1")
         require_positive(self.max_iterations, "max_iterations", "1")
@@ -65,12 +68,12 @@ class Evaluation(Protocol):
 
 
 class Objective(Protocol):
-    """What Newton's method needs of a problem. Vectors are over the active unknowns unless called full."""
+    """What Newton's method needs; vectors are over the active unknowns unless called full."""
 
     system: ConstrainedSystem
     active: np.ndarray
     shift_mode: FloatArray
-    energy_floor: float
+    energy_floor: float  # N mm; a Newton decrement below it is rounding
 
     def evaluate(self, z: FloatArray) -> Any:
         """Evaluation at the full state z; infinite energy where it is inadmissible."""
@@ -90,7 +93,7 @@ class Solution:
     multiplier : N mm / mm, of the mean offset.
     status : `SolveStatus`.
     iterations : factorizations.
-    residual_norm : Euclidean norm of the constrained gradient, N.
+    residual_norm : Euclidean norm of the constrained gradient at z, N.
     negative_eigenvalues : of the unprojected Hessian on the constraint, at the last factorization.
     """
 
@@ -135,7 +138,7 @@ def solve_equilibrium(
             return solution
         # The multiplier's error costs (dE/d offset) x offset in energy.
         drift = abs(2.0 * penalty.rho * offset * offset)
-        if drift <= 1e-3 * options.tolerance**2 * _scale(problem, solution.evaluation):
+        if drift <= options.tolerance * abs(solution.evaluation.energy) + problem.energy_floor:
             return solution
         z = solution.z
 
@@ -147,19 +150,18 @@ def _make_feasible(problem: Objective, z: FloatArray) -> FloatArray:
     return z
 
 
-def _scale(problem: Objective, evaluation: Any) -> float:
-    return abs(evaluation.energy) + problem.energy_floor
-
-
 def _newton(
     problem: Objective, z: FloatArray, options: SolverOptions, penalty: _Penalty, used: int = 0
 ) -> Solution:
     system, active = problem.system, problem.active
     compliance = 0.0 if penalty.rho == 0.0 else 0.5 / penalty.rho
     evaluation = problem.evaluate(z)
-    multiplier, negative, residual, escapes = penalty.multiplier, 0, np.inf, 0
+    multiplier, negative, escapes = penalty.multiplier, 0, 0
 
     def result(status: SolveStatus, iterations: int) -> Solution:
+        offset = float(system.constraint @ z[active])
+        slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
+        residual = float(np.linalg.norm(evaluation.gradient + slope * system.constraint))
         return Solution(z, evaluation, multiplier, status, iterations, residual, negative)
 
     if not np.isfinite(evaluation.energy):
@@ -170,14 +172,10 @@ def _newton(
         gradient = evaluation.gradient + penalty.slope(offset) * system.constraint
         target = -offset if penalty.rho == 0.0 else 0.0
         step, mu = system.solve(-gradient, target, compliance)
-        if penalty.rho == 0.0:
-            multiplier = -mu
-            residual = float(np.linalg.norm(gradient + mu * system.constraint))
-        else:
-            residual = float(np.linalg.norm(gradient))
+        multiplier = -mu if penalty.rho == 0.0 else penalty.multiplier
         decrement = -float(gradient @ step)
-        scale = _scale(problem, evaluation)
-        small = decrement <= options.tolerance * scale
+        scale = abs(evaluation.energy)
+        small = decrement <= options.tolerance * scale + problem.energy_floor
         if small and not regular and escapes < 3:
             escapes += 1
             z, evaluation = _leave_saddle(problem, evaluation, z, scale)

@@ -1,0 +1,153 @@
+"""Continuation in curvature: one direction, one side, from flat to the last curvature asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexscale.embedding.curvature_map import Bend
+from flexscale.homogenize.cell_problem import BentCell, CellProblem, CellState
+from flexscale.mechanics.energy import FloatArray
+from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.status import SolveStatus
+
+SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
+_SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
+
+
+@dataclass(frozen=True)
+class Line:
+    """Samples of one direction and side.
+
+    Attributes
+    ----------
+    side : "closing" or "opening".
+    direction : degrees.
+    curvatures : mm-1, non-negative and increasing.
+    """
+
+    side: str
+    direction: float
+    curvatures: tuple[float, ...]
+
+    @property
+    def key(self) -> str:
+        """Name of the line in a checkpoint."""
+        return f"{self.side}-{self.direction!r}"
+
+    def bend(self, curvature: float) -> Bend:
+        """The bend of a sample of this line."""
+        return Bend(SIDE_SIGNS[self.side] * curvature, float(np.radians(self.direction)))
+
+
+@dataclass
+class _Point:
+    """A converged state on the line, and dz/d|kappa| there."""
+
+    curvature: float
+    z: FloatArray
+    rate: FloatArray
+
+
+def follow_line(
+    problem: CellProblem,
+    line: Line,
+    options: SolverOptions,
+    finished: Sequence[dict[str, Any]] = (),
+) -> Iterator[dict[str, Any]]:
+    """Yield the line's samples one after the other, those of `finished` left out.
+
+    Each sample is predicted with dz/dkappa from the one before; a step that fails is halved. A
+    sample that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry
+    the state that the next one starts from, so a line taken up again goes on bit for bit.
+
+    Yields
+    ------
+    dict with curvature [mm-1], status and, if converged, the numbers of a sweep's sample, `state`
+    and `rate`.
+    """
+    point = _Point(0.0, problem.embedding.rest, np.zeros(0))
+    status = SolveStatus.converged
+    for sample in finished:
+        status = SolveStatus(sample["status"])
+        if status == SolveStatus.converged:
+            point = _Point(sample["curvature"], sample["state"], sample["rate"])
+    for curvature in line.curvatures[len(finished) :]:
+        if status != SolveStatus.converged:
+            yield {"curvature": curvature, "status": int(SolveStatus.not_run)}
+            continue
+        if not len(point.rate):
+            solution = _solve(problem, line, 0.0, point.z, options)
+            point.rate = _rate(problem, line, 0.0, solution)
+        point, solution, iterations = _advance(problem, line, point, curvature, options)
+        status = solution.status
+        sample = {"curvature": curvature, "status": int(status), "newton_iterations": iterations}
+        if status == SolveStatus.converged:
+            sample |= _measure(problem, line, curvature, solution)
+            sample |= {"state": point.z, "rate": point.rate}
+        yield sample
+
+
+def _solve(
+    problem: CellProblem, line: Line, curvature: float, z: FloatArray, options: SolverOptions
+) -> Solution:
+    return solve_equilibrium(problem.bent(line.bend(curvature)), z, options)
+
+
+def _rate(problem: CellProblem, line: Line, curvature: float, solution: Solution) -> FloatArray:
+    """dz/d|kappa| along the branch: one back-substitution."""
+    cell = problem.bent(line.bend(curvature))
+    if solution.negative_eigenvalues > 0:  # the last factorization was not of the true Hessian
+        problem.system.factorize(cell.hessian_values(solution.evaluation))
+    step, _ = problem.system.solve(-cell.gradient_rate(solution.evaluation))
+    rate = np.zeros_like(solution.z)
+    rate[problem.active] = SIDE_SIGNS[line.side] * step
+    return rate
+
+
+def _advance(
+    problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
+) -> tuple[_Point, Solution, int]:
+    """Continue from `point` to `curvature`, in smaller steps where needed."""
+    span = curvature - point.curvature
+    done, share, iterations = 0.0, 1.0, 0
+    start = point.curvature
+    while True:
+        share = min(share, 1.0 - done)
+        target = curvature if done + share >= 1.0 else start + (done + share) * span
+        predicted = point.z + (target - point.curvature) * point.rate
+        solution = _solve(problem, line, target, predicted, options)
+        iterations += solution.iterations
+        if solution.status == SolveStatus.converged:
+            point = _Point(target, solution.z, _rate(problem, line, target, solution))
+            done += share
+            share *= 2.0
+            if target == curvature:
+                return point, solution, iterations
+        else:
+            share *= 0.5
+            if share < _SMALLEST_STEP:
+                return point, solution, iterations
+
+
+def _measure(
+    problem: CellProblem, line: Line, curvature: float, solution: Solution
+) -> dict[str, Any]:
+    """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
+    cell: BentCell = problem.bent(line.bend(curvature))
+    state: CellState = solution.evaluation
+    s = solution.z[-3:]
+    numbers: dict[str, Any] = {
+        "energy_density": state.energy / problem.area,
+        "moment": SIDE_SIGNS[line.side] * cell.moment(state),
+        "stretch": np.array([1.0 + s[0], 1.0 + s[1], s[2]]),
+        "residual_norm": solution.residual_norm,
+        "mean_offset": float(problem.embedding.mean_offset @ solution.z),
+        "negative_eigenvalues": solution.negative_eigenvalues,
+    }
+    for name, part in zip(problem.part_names, state.parts, strict=True):
+        numbers[f"energy_density_{name}"] = float(part) / problem.area
+    return numbers

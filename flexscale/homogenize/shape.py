@@ -1,0 +1,80 @@
+"""The deformed cell at chosen samples, for pictures and for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexscale.datasets.build import build_dataset
+from flexscale.embedding.curvature_map import Bend
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.labels import pattern_scalars
+from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.sweep import check_sweep
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns import Pattern
+from flexscale.solve.newton import SolverOptions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def solve_shapes(
+    pattern: Pattern,
+    bends: Sequence[tuple[str, float, float]],
+    *,
+    mesh: MeshOptions | None = None,
+    solver: SolverOptions | None = None,
+) -> xr.Dataset:
+    """Displacements of scales and substrate under some bends.
+
+    Parameters
+    ----------
+    pattern : the scale pattern.
+    bends : (side, direction [degree], curvature [mm-1, > 0]) of each sample.
+    mesh, solver : element sizes and solver options; the defaults if not given.
+
+    Returns
+    -------
+    xarray.Dataset of kind shape/1; displacements of a sample that did not converge are NaN.
+    """
+    mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
+    for side, direction, curvature in bends:
+        check_sweep(pattern, [direction], [curvature], [side])
+    problem = CellProblem.from_pattern(pattern, mesh, solver.linear_solver)
+    display, triangles = problem.embedding.display_map()
+    rest = display.place(problem.embedding.rest, Bend(0.0, 0.0)).y
+    displacement = np.full((len(bends), *rest.shape), np.nan)
+    stretch = np.full((len(bends), 3), np.nan)
+    signed = np.empty(len(bends))
+    for k, (side, direction, curvature) in enumerate(bends):
+        line = Line(side, float(direction), (float(curvature),))
+        (sample,) = follow_line(problem, line, solver)
+        signed[k] = line.bend(curvature).curvature
+        if "state" in sample:
+            displacement[k] = display.place(sample["state"], line.bend(curvature)).y - rest
+            stretch[k] = sample["stretch"]
+    torus = problem.mesh
+    arrays: dict[str, Any] = {
+        "sample_direction": np.array([float(direction) for _, direction, _ in bends]),
+        "sample_curvature": signed,
+        "lattice": torus.lattice,
+        "stretch": stretch,
+        "points": rest,
+        "displacement": displacement,
+        "triangles": triangles,
+        "triangle_scale": torus.triangle_scale,
+        "tets": torus.tets,
+        "tet_scale": torus.tet_scale,
+        "surface_triangles": torus.surface_triangles,
+        "surface_scale": torus.surface_scale,
+    }
+    config = {
+        "pattern": pattern.to_config(),
+        "mesh": mesh.to_config(),
+        "solver": solver.to_config(),
+        "bends": [list(bend) for bend in bends],
+    }
+    return build_dataset("shape", arrays, scalars=pattern_scalars(pattern, mesh), config=config)

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from flexscale.errors import MeshError
-from flexscale.units import require_positive
+from flexscale.units import require_finite, require_positive
 
 
 @dataclass(frozen=True)
@@ -42,15 +42,19 @@ class MeshOptions:
                 f"Mesh option growth is {self.growth:g}, but sizes grow away from the tiling "
                 "vertices: give at least 1."
             )
-        if int(self.across) != self.across or self.across < 2 or self.across % 2:
+        across = require_finite(self.across, "mesh option across", "1")
+        if across < 2 or across % 2:
             raise MeshError(
-                f"Mesh option across is {self.across}, but each tile owns half a gap: "
+                f"Mesh option across is {across:g}, but each tile owns half a gap: "
                 "give an even number, 2 or more."
             )
-        if int(self.scale_layers) != self.scale_layers or self.scale_layers < 1:
+        layers = require_finite(self.scale_layers, "mesh option scale_layers", "1")
+        if layers < 1 or layers % 1:
             raise MeshError(
-                f"Mesh option scale_layers is {self.scale_layers}: give a whole number, 1 or more."
+                f"Mesh option scale_layers is {layers:g}: give a whole number, 1 or more."
             )
+        object.__setattr__(self, "across", int(across))
+        object.__setattr__(self, "scale_layers", int(layers))
 
     def to_config(self) -> dict[str, Any]:
         """The options as plain numbers; `MeshOptions(**config)` makes them again."""

@@ -22,7 +22,8 @@ from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 IntArray = NDArray[np.int64]
 
-RELATIVE_TOLERANCE = 1e-6  # of the root of the cell's area: corners closer than this are one
+RELATIVE_TOLERANCE = 1e-4  # of the root of the cell's area: corners closer than this are one
+AREA_TOLERANCE = 1e-3  # relative: edges that pair up leave only whole multiples of the cell's area
 SHARP_TURN = np.deg2rad(20.0)  # where two tiles meet: a smaller turn is a curve, not a corner
 
 
@@ -63,7 +64,7 @@ def build_cell(tiles: list[ArrayLike], t1: ArrayLike, t2: ArrayLike) -> TiledCel
     tolerance = RELATIVE_TOLERANCE * np.sqrt(area)
     polygons = [_checked_polygon(tile, number, tolerance) for number, tile in enumerate(tiles)]
     total = sum(polygon_area(polygon) for polygon in polygons)
-    if abs(total - area) > 1e-5 * area:
+    if abs(total - area) > AREA_TOLERANCE * area:
         remedy = "leave holes" if total < area else "overlap"
         raise PatternError(
             f"The tiles' areas add up to {total:.6g} mm², but the cell of t1 and t2 has "
@@ -72,7 +73,7 @@ def build_cell(tiles: list[ArrayLike], t1: ArrayLike, t2: ArrayLike) -> TiledCel
     polygons = _merge_corners(polygons, lattice, tolerance)
     polygons = [_insert_junctions(p, polygons, lattice, 2.0 * tolerance) for p in polygons]
     classes = corner_classes(polygons, lattice, tolerance)
-    _check_edge_partners(polygons, classes, lattice)
+    _check_edge_partners(polygons, classes, lattice, tolerance)
     return TiledCell(tuple(polygons), tuple(_sharp_corners(polygons, classes)), lattice, tolerance)
 
 
@@ -197,7 +198,7 @@ def _images_near(points: FloatArray, polygon: FloatArray, lattice: FloatArray) -
 
 
 def _check_edge_partners(
-    polygons: list[FloatArray], classes: list[IntArray], lattice: FloatArray
+    polygons: list[FloatArray], classes: list[IntArray], lattice: FloatArray, tolerance: float
 ) -> None:
     """Every edge must be some edge, turned around, of exactly one tile."""
     seen: dict[tuple[int, int, int, int], list[tuple[int, FloatArray]]] = {}
@@ -220,7 +221,8 @@ def _check_edge_partners(
             raise PatternError(
                 f"The tiles do not cover the plane: the edge of tile {number} from "
                 f"({start[0]:.4g}, {start[1]:.4g}) to ({end[0]:.4g}, {end[1]:.4g}) mm does not "
-                "meet exactly one tile on its other side; there is an overlap or a hole."
+                "meet exactly one tile on its other side. Mend the overlap or hole there; corners "
+                f"must agree to {tolerance:.1g} mm."
             )
 
 

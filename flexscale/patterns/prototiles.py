@@ -8,6 +8,10 @@ from flexscale.patterns.cell import TiledCell
 from flexscale.patterns.outlines import scale_outline
 from flexscale.patterns.symmetry import BoolArray, FloatArray, Isometry, polygon_isometries
 
+# Copies and images must meet to rounding: tiles that are congruent only to the digits somebody
+# typed are different shapes, and a polygon symmetric only to those digits has no symmetry.
+CONGRUENT = 1e-4  # of the tolerance within which corners are merged
+
 
 @dataclass(frozen=True)
 class Prototile:
@@ -51,7 +55,7 @@ def find_prototiles(
     ------
     PatternError : the gap leaves a tile no scale in one piece.
     """
-    tolerance = 10.0 * cell.tolerance
+    tolerance = CONGRUENT * cell.tolerance
     prototiles: list[Prototile] = []
     copies: list[TileCopy] = []
     for number, (polygon, sharp) in enumerate(zip(cell.tiles, cell.sharp, strict=True)):

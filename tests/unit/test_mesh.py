@@ -150,6 +150,18 @@ def test_default_square_cell_is_small() -> None:
     assert mesh.n_scale_vertices < 300
 
 
+@pytest.mark.parametrize("digits", [3, 4, 5, 6, 7, 9])
+def test_polygons_typed_with_few_digits(digits: int) -> None:
+    """Two hexagons whose typed corners miss each other, or their congruence, in the last digit."""
+    hexagon = Pattern(Tiling("IH20"))
+    (t1, t2), tile = hexagon.lattice, hexagon.tiles[0]
+    tiles = [np.round(tile, digits), np.round(tile + t2, digits)]
+    pattern = Pattern.from_polygons(tiles, np.round(t1, digits), np.round(2.0 * t2, digits))
+    mesh = build_mesh(pattern, OPTIONS["coarse"])
+    assert mesh.n_scales == 2
+    assert (mesh.vertex_kind == 2).sum() == 12
+
+
 def test_same_options_give_the_same_bits() -> None:
     pattern = Pattern(Tiling("IH20"))
     first, second = build_mesh(pattern), build_mesh(pattern)
@@ -216,6 +228,8 @@ def test_bare_sheet(size: float) -> None:
     [
         ({"across": 3}, MeshError, "even number"),
         ({"across": 0}, MeshError, "even number"),
+        ({"across": "two"}, UnitRangeError, "must be a number"),
+        ({"scale_layers": 1.5}, MeshError, "whole number"),
         ({"growth": 0.9}, MeshError, "at least 1"),
         ({"scale_layers": 0}, MeshError, "1 or more"),
         ({"along": 0.0}, UnitRangeError, "along is 0 mm"),

@@ -21,6 +21,7 @@ from flexscale.status import SolveStatus
 from flexscale.units import require_positive
 
 CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
+OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 
 
 @dataclass(frozen=True)
@@ -136,9 +137,7 @@ def solve_equilibrium(
         penalty.multiplier -= 2.0 * penalty.rho * offset
         if solution.status != SolveStatus.converged:
             return solution
-        # The multiplier's error costs (dE/d offset) x offset in energy.
-        drift = abs(2.0 * penalty.rho * offset * offset)
-        if drift <= options.tolerance * abs(solution.evaluation.energy) + problem.energy_floor:
+        if abs(offset) <= OFFSET_TOLERANCE:
             return solution
         z = solution.z
 

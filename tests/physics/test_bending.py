@@ -1,0 +1,157 @@
+"""Finite bending before contact: moment, energy, symmetry of the two sides."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import flexscale as fs
+from flexscale.embedding.curvature_map import Bend
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.tangent import solve_tangent
+from flexscale.mesh.bare import build_bare_mesh
+from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.status import SolveStatus
+from tests.derivatives import directional_difference, relative_error
+from tests.physics.cells import D, hexagon, hexagon_problem, square, square_problem
+
+
+def solve(problem, curvature, degrees, options=None, start=None):
+    """Equilibrium of a cell under one bend, and its objective."""
+    cell = problem.bent(Bend(curvature, float(np.radians(degrees))))
+    z = problem.embedding.rest if start is None else start
+    return cell, solve_equilibrium(cell, z, options or SolverOptions())
+
+
+@pytest.mark.parametrize("degrees", [0.0, 37.0])
+@pytest.mark.parametrize("curvature", [0.02, -0.02])
+def test_bare_sheet_has_moment_d_kappa(curvature, degrees):
+    """A cylinder of unstretched sheet is exact: M = D kappa and F = I; the issue asks for 0.1 %."""
+    lattice = np.array([[3.0, 0.0], [1.0, 2.5]])
+    problem = CellProblem(build_bare_mesh(lattice, 1.0), fs.TPU, 0.4, fs.PETG)
+    cell, solution = solve(problem, curvature, degrees)
+    assert solution.status == SolveStatus.converged
+    assert cell.moment(solution.evaluation) == pytest.approx(D * curvature, rel=1e-4)
+    assert np.abs(solution.z[-3:]).max() < 1e-4
+
+
+@pytest.mark.parametrize("problem", [square_problem, hexagon_problem])
+def test_derivatives_of_the_bent_cell(problem):
+    """Gradient, unprojected Hessian, moment and load rate in z at a random deformed state."""
+    problem = problem()
+    generator = np.random.default_rng(4)
+    rest = problem.embedding.rest
+    z = rest + 2e-3 * generator.normal(size=len(rest))
+    bend = Bend(0.03, 0.4)
+    cell, state = problem.bent(bend), problem.bent(bend).evaluate(z)
+    direction = np.zeros(len(rest))
+    direction[problem.active] = generator.normal(size=len(problem.active))
+
+    slope = directional_difference(lambda h: cell.evaluate(z + h * direction).energy, 1e-5)
+    assert relative_error(state.gradient @ direction[problem.active], slope) < 1e-8
+    curve = directional_difference(lambda h: cell.evaluate(z + h * direction).gradient, 1e-5)
+    upper = cell.hessian_values(state)
+    product = multiply_upper(problem.pull_back, upper, direction[problem.active])
+    assert relative_error(product, curve) < 1e-7
+
+    def bent(h):
+        return problem.bent(Bend(bend.curvature + h, bend.direction)).evaluate(z)
+
+    slope = directional_difference(lambda h: bent(h).energy, 1e-5)
+    assert relative_error(cell.moment(state) * problem.area, slope) < 1e-8
+    rate = directional_difference(lambda h: bent(h).gradient, 1e-5)
+    assert relative_error(cell.gradient_rate(state), rate) < 1e-8
+
+
+def multiply_upper(pull_back, values, vector):
+    """Symmetric product from the upper triangle."""
+    import scipy.sparse as sp
+
+    n = pull_back.n_active
+    upper = sp.csr_array((values, pull_back.indices, pull_back.indptr), shape=(n, n))
+    return upper @ vector + sp.triu(upper, 1).T @ vector
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0, 45.0])
+def test_tangent_is_the_initial_slope_of_a_sweep(degrees):
+    """M / kappa at 1e-4 mm-1 within 0.1 % of C : nnnn (real moduli)."""
+    tangent = solve_tangent(square_problem())
+    cell, solution = solve(square_problem(), 1e-4, degrees)
+    slope = cell.moment(solution.evaluation) / 1e-4
+    assert slope == pytest.approx(tangent.stiffness(degrees), rel=1e-3)
+
+
+def test_small_curvature_is_solved_as_accurately():
+    """At 1e-5 mm-1 M / kappa still meets the tangent: stopping is relative to the sample."""
+    tangent = solve_tangent(square_problem())
+    cell, solution = solve(square_problem(), 1e-5, 0.0)
+    assert solution.status == SolveStatus.converged
+    assert cell.moment(solution.evaluation) / 1e-5 == pytest.approx(
+        tangent.stiffness(0.0), rel=1e-6
+    )
+
+
+def test_moment_is_the_derivative_of_the_energy_curve():
+    """Envelope theorem: M = dE/dkappa along equilibria, without differentiating the state."""
+    problem, kappa = square_problem(), 0.01
+
+    def energy(h):
+        return solve(problem, kappa + h, 30.0)[1].evaluation.energy / problem.area
+
+    cell, solution = solve(problem, kappa, 30.0)
+    slope = directional_difference(energy, 2e-4)
+    assert cell.moment(solution.evaluation) == pytest.approx(slope, rel=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+def test_opening_and_closing_part_at_second_order(degrees):
+    """Both sides have the same slope; their moments differ by O(kappa^2), a factor 4 for 2 kappa."""
+    problem = hexagon_problem()
+    parts = []
+    for kappa in (0.001, 0.002):
+        moments = []
+        for sign in (1.0, -1.0):
+            cell, solution = solve(problem, sign * kappa, degrees)
+            moments.append(sign * cell.moment(solution.evaluation))
+        parts.append(moments[0] - moments[1])
+        assert abs(parts[-1]) < 2.0 * kappa * moments[0]
+    assert parts[1] / parts[0] == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize("problem", [square_problem, hexagon_problem])
+@pytest.mark.parametrize("curvature", [0.01, -0.015])
+def test_augmented_lagrangian_meets_the_bordered_solve(problem, curvature):
+    """The paper's treatment of [Eq. 8] and the bordered system: one state, to 1e-8 mm."""
+    problem = problem()
+    options = SolverOptions(constraint="augmented_lagrangian", max_iterations=200)
+    _, near = solve(problem, 0.8 * curvature, 25.0)
+    _, lagrangian = solve(problem, curvature, 25.0, options, near.z)
+    _, bordered = solve(problem, curvature, 25.0, start=near.z)
+    assert lagrangian.status == bordered.status == SolveStatus.converged
+    assert np.abs(lagrangian.z - bordered.z).max() < 1e-8
+    assert lagrangian.multiplier == pytest.approx(bordered.multiplier, rel=1e-6)
+    assert lagrangian.iterations > bordered.iterations
+
+
+def test_the_constraint_holds_and_does_no_work_at_small_curvature():
+    problem = square_problem()
+    _, solution = solve(problem, 0.01, 45.0)
+    assert abs(problem.embedding.mean_offset @ solution.z) < 1e-15
+    assert solution.negative_eigenvalues == 0
+
+
+def test_sweep_has_the_symmetry_of_squares():
+    """Directions 30 and 60 degree are mirror images, 20 and 110 degree quarter turns."""
+    data = fs.sweep(square(), [20.0, 30.0, 60.0, 110.0], [0.004, 0.008], workers=1)
+    moment = data.moment
+    assert moment.sel(direction=30.0).values == pytest.approx(
+        moment.sel(direction=60.0).values, rel=1e-8
+    )
+    assert moment.sel(direction=20.0).values == pytest.approx(
+        moment.sel(direction=110.0).values, rel=1e-8
+    )
+
+
+def test_sweep_has_the_symmetry_of_hexagons():
+    data = fs.sweep(hexagon(), [10.0, 50.0, 70.0], [0.008], ["opening"], workers=1)
+    assert data.moment.values.ravel() == pytest.approx([float(data.moment[0, 0, 0])] * 3, rel=1e-8)

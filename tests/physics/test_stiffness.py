@@ -1,0 +1,79 @@
+"""Bending stiffness before contact against closed forms and converged references."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import flexscale as fs
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
+from flexscale.mesh.bare import build_bare_mesh
+from tests.physics.cells import FINE, RIGID, D, hexagon, hexagon_problem, square, square_problem
+
+OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
+
+
+def test_bare_sheet_is_an_isotropic_plate():
+    """C = D [1, nu; nu, 1], twist D (1 - nu)/2: exact, the field is quadratic and HCT holds cubics."""
+    problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), fs.TPU, 0.4, fs.PETG)
+    nu = fs.TPU.poisson_ratio
+    expected = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
+    assert solve_tangent(problem).matrix == pytest.approx(expected, abs=1e-9 * D)
+
+
+def test_squares_along_a_side_are_hinges():
+    """a = D P / g: each gap of width g turns by kappa P. 2 %: the gap's ends are not a strip."""
+    stiffness = solve_tangent(square_problem()).stiffness(0.0)
+    assert stiffness == pytest.approx(24.8 * D, rel=0.02)
+
+
+# A mesh-converged trial of native-model.md, section 6: C1 and edge-angle elements bracket the value.
+REFERENCES = [(square, 45.0, 7.57e3), (hexagon, 20.0, 1.602e3)]
+
+
+@pytest.mark.parametrize(("pattern", "direction", "reference"), REFERENCES)
+@pytest.mark.parametrize(("mesh", "tolerance"), [(fs.MeshOptions(), 0.03), (FINE, 0.01)])
+def test_rigid_scales_meet_the_converged_stiffness(pattern, direction, reference, mesh, tolerance):
+    tangent = fs.tangent_stiffness(pattern(scale_material=RIGID), mesh=mesh)
+    assert tangent.stiffness(direction) == pytest.approx(reference * D, rel=tolerance)
+
+
+def test_conforming_elements_converge_from_above():
+    """C1 trial spaces are too stiff, and less so on the finer mesh."""
+    values = [
+        fs.tangent_stiffness(square(scale_material=RIGID), mesh=mesh).stiffness(45.0)
+        for mesh in (fs.MeshOptions(), FINE)
+    ]
+    assert 7.57e3 * D < values[1] < values[0]
+
+
+def test_hexagons_are_isotropic_at_rest():
+    """Six-fold symmetry makes a fourth-order tensor isotropic: to rounding on a symmetric mesh."""
+    a = solve_tangent(hexagon_problem()).stiffness(np.arange(0.0, 180.0, 1.0))
+    assert np.ptp(a) < 1e-6 * a.mean()
+
+
+def test_squares_have_the_square_symmetry_at_rest():
+    tangent = solve_tangent(square_problem())
+    directions = np.arange(0.0, 90.0, 5.0)
+    assert tangent.stiffness(directions) == pytest.approx(
+        tangent.stiffness(directions + 90.0), rel=1e-9
+    )
+    assert tangent.stiffness(directions) == pytest.approx(
+        tangent.stiffness(90.0 - directions), rel=1e-9
+    )
+    assert tangent.softest % 90.0 == pytest.approx(0.0, abs=0.1)
+    assert tangent.stiffest % 90.0 == pytest.approx(45.0, abs=0.1)
+
+
+def test_extremes_of_a_known_tensor():
+    """a(theta) = 2 + cos 2(theta - 25 deg): softest at 115 degree, stiffest at 25 degree."""
+    c, s = np.cos(np.radians(50.0)), np.sin(np.radians(50.0))
+    matrix = np.array([[2.0 + c, 2.0, s / 2], [2.0, 2.0 - c, s / 2], [s / 2, s / 2, 0.0]])
+    tangent = TangentStiffness(matrix)
+    theta = np.arange(0.0, 180.0, 7.0)
+    expected = 2.0 + np.cos(np.radians(2.0 * (theta - 25.0)))
+    assert tangent.stiffness(theta) == pytest.approx(expected, rel=1e-12)
+    assert tangent.stiffest == pytest.approx(25.0, abs=1e-3)
+    assert tangent.softest == pytest.approx(115.0, abs=1e-3)

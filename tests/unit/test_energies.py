@@ -1,0 +1,232 @@
+"""Energies on loose meshes: derivatives, frame invariance, laws against independent computations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+from scipy.spatial.transform import Rotation
+
+from flexscale.mechanics.energy import project_blocks
+from flexscale.mechanics.hct import QUADRATURE_POINTS, hct_derivatives, hct_ordinates
+from flexscale.mechanics.neo_hookean import NeoHookeanTets
+from flexscale.mechanics.shell import HctShell
+from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
+from tests.derivatives import directional_difference, full_hessian, relative_error
+
+MU, LAMBDA, NU = 8.78, 210.8, 0.48
+CORNERS = np.array([[[0.0, 0.0], [1.0, 0.1], [0.2, 0.9]], [[1.0, 0.1], [1.3, 1.2], [0.2, 0.9]]])
+
+
+def edge_normals(corners: np.ndarray) -> np.ndarray:
+    """Normals in a direction that both triangles of an edge agree on."""
+    span = np.roll(corners, -1, axis=1) - corners
+    span *= np.where(span[..., :1] + 1e-3 * span[..., 1:] > 0.0, 1.0, -1.0)
+    span /= np.linalg.norm(span, axis=-1, keepdims=True)
+    return np.stack([-span[..., 1], span[..., 0]], axis=-1)
+
+
+def build_shell() -> tuple[HctShell, np.ndarray]:
+    """Two triangles with separate unknowns, and their flat rest state (24, 3)."""
+    normals = edge_normals(CORNERS)
+    rest = np.zeros((2, 12, 3))
+    for t in range(2):
+        for v in range(3):
+            rest[t, 3 * v, :2] = CORNERS[t, v]
+            rest[t, 3 * v + 1, 0] = rest[t, 3 * v + 2, 1] = 1.0
+            rest[t, 9 + v, :2] = normals[t, v]
+    shell = HctShell(
+        CORNERS,
+        normals,
+        np.arange(24).reshape(2, 12),
+        shear_modulus=MU,
+        lame_lambda=LAMBDA,
+        poisson_ratio=NU,
+        thickness=0.4,
+        bending_stiffness=0.18,
+    )
+    return shell, rest.reshape(24, 3)
+
+
+def build_tets() -> tuple[NeoHookeanTets, np.ndarray]:
+    """Three tets on six points."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1.1], [0.2, 1.2, 1.3]])
+    tets = np.array([[0, 1, 2, 3], [1, 4, 2, 3], [2, 4, 5, 3]])
+    return NeoHookeanTets(points, tets, tets, 748.0, 1745.0), points
+
+
+@pytest.fixture(params=["shell", "tets"])
+def energy_and_rest(request):
+    return build_shell() if request.param == "shell" else build_tets()
+
+
+@pytest.mark.parametrize("size", [0.01, 0.1])
+def test_derivatives_match_differences(energy_and_rest, size):
+    """Gradient and Hessian to 1e-6 at random deformed states (reached: 1e-10)."""
+    energy, rest = energy_and_rest
+    generator = np.random.default_rng(3)
+    y = rest + size * generator.normal(size=rest.shape)
+    direction = generator.normal(size=rest.shape)
+
+    def gradient(s: float) -> np.ndarray:
+        out = np.zeros_like(y)
+        energy.add_gradient(y + s * direction, out)
+        return out.ravel()
+
+    slope = directional_difference(lambda s: energy.energy_parts(y + s * direction).sum(), 1e-4)
+    assert relative_error(gradient(0.0) @ direction.ravel(), slope) < 1e-8
+    curve = directional_difference(gradient, 1e-4)
+    assert relative_error(full_hessian(energy, y) @ direction.ravel(), curve) < 1e-8
+
+
+def test_rest_is_free_of_stress(energy_and_rest):
+    energy, rest = energy_and_rest
+    gradient = np.zeros_like(rest)
+    energy.add_gradient(rest, gradient)
+    assert energy.energy_parts(rest).sum() < 1e-25
+    assert np.abs(gradient).max() < 1e-11
+
+
+def test_rigid_motion_changes_nothing(energy_and_rest):
+    """Energy is invariant, forces turn along; gradient vectors turn but do not translate."""
+    energy, rest = energy_and_rest
+    generator = np.random.default_rng(5)
+    y = rest + 0.05 * generator.normal(size=rest.shape)
+    turn = Rotation.random(random_state=1).as_matrix()
+    moved = y @ turn.T
+    positions = [0, 3, 6, 12, 15, 18] if len(y) == 24 else range(6)
+    moved[list(positions)] += [3.0, -2.0, 7.0]
+    before, after = np.zeros_like(y), np.zeros_like(y)
+    energy.add_gradient(y, before)
+    energy.add_gradient(moved, after)
+    assert relative_error(energy.energy_parts(moved), energy.energy_parts(y)) < 1e-10
+    assert relative_error(after, before @ turn.T) < 1e-10
+
+
+def test_inverted_elements_have_infinite_energy():
+    tets, points = build_tets()
+    points[3, 2] = -1.0
+    assert np.isinf(tets.energy_parts(points)).all()
+
+
+def test_projected_blocks_are_the_positive_part():
+    """Projection keeps a positive element Hessian, and clips a compressed one."""
+    tets, points = build_tets()
+    blocks = tets.hessian_blocks(points)
+    assert relative_error(project_blocks(blocks, 4), blocks) < 1e-10
+    crushed = tets.hessian_blocks(points * [1.0, 1.0, 0.5])
+    clipped = project_blocks(crushed, 4)
+    assert relative_error(clipped, crushed) > 1e-3
+    assert relative_error(project_blocks(clipped, 4), clipped) < 1e-10
+
+
+def test_hct_reproduces_cubics():
+    """A cubic has its own first and second derivatives at every quadrature point."""
+    generator = np.random.default_rng(0)
+    exponents = [(i, j) for i in range(4) for j in range(4 - i)]
+    coefficients = generator.normal(size=len(exponents))
+
+    def derivative(point, du, dv):
+        total = 0.0
+        for c, (i, j) in zip(coefficients, exponents, strict=True):
+            if i >= du and j >= dv:
+                falling = np.prod(range(i - du + 1, i + 1)) * np.prod(range(j - dv + 1, j + 1))
+                total += c * falling * point[0] ** (i - du) * point[1] ** (j - dv)
+        return total
+
+    normals = edge_normals(CORNERS)
+    maps, weights = hct_derivatives(CORNERS, normals)
+    for t in range(2):
+        dofs = [derivative(p, *d) for p in CORNERS[t] for d in ((0, 0), (1, 0), (0, 1))]
+        for k in range(3):
+            middle = 0.5 * (CORNERS[t, k] + CORNERS[t, (k + 1) % 3])
+            dofs.append(normals[t, k] @ [derivative(middle, 1, 0), derivative(middle, 0, 1)])
+        values = maps[t] @ np.array(dofs)
+        centroid = CORNERS[t].mean(axis=0)
+        for k in range(3):
+            triangle = np.array([CORNERS[t, k], CORNERS[t, (k + 1) % 3], centroid])
+            for q, point in enumerate(QUADRATURE_POINTS @ triangle):
+                expected = [derivative(point, *d) for d in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))]
+                assert values[6 * k + q] == pytest.approx(expected, abs=1e-11)
+    areas = 0.5 * np.linalg.det(CORNERS[:, 1:] - CORNERS[:, :1])
+    assert weights.sum(axis=1) == pytest.approx(areas, rel=1e-12)
+
+
+def test_hct_is_continuously_differentiable_across_an_edge():
+    """Two triangles that share their edge's five dofs agree there in value and normal slope."""
+    ordinates = hct_ordinates(CORNERS, edge_normals(CORNERS))
+    generator = np.random.default_rng(2)
+    shared = {1: 0, 2: 2}  # vertices 1, 2 of the first triangle are 0, 2 of the second
+    dofs = generator.normal(size=(2, 12))
+    for ours, theirs in shared.items():
+        dofs[1, 3 * theirs : 3 * theirs + 3] = dofs[0, 3 * ours : 3 * ours + 3]
+    dofs[1, 11] = dofs[0, 10]
+
+    def slope(triangle: int, edge: int, share: float) -> np.ndarray:
+        """Gradient of the cubic on an edge's sub-triangle, at (1 - share, share, 0)."""
+        c = ordinates[triangle, edge] @ dofs[triangle]
+        start, end = CORNERS[triangle, edge], CORNERS[triangle, (edge + 1) % 3]
+        frame = np.array([end - start, CORNERS[triangle].mean(axis=0) - start])
+        s, r = 1.0 - share, share
+
+        def value(a, b, k):
+            return s * s * c[a + 2, b, k] + 2 * s * r * c[a + 1, b + 1, k] + r * r * c[a, b + 2, k]
+
+        steps = [3 * (value(0, 1, 0) - value(1, 0, 0)), 3 * (value(0, 0, 1) - value(1, 0, 0))]
+        return np.linalg.solve(frame, steps)
+
+    for share in (0.0, 0.2, 0.5, 0.9):
+        assert slope(0, 1, share) == pytest.approx(slope(1, 2, 1.0 - share), abs=1e-12)
+
+
+def test_membrane_is_the_minimum_over_the_thickness_stretch():
+    """Plane stress by brute force: the three-dimensional law minimized over lambda_3."""
+    f = np.array([[1.2, 0.1], [-0.05, 0.85]])
+    a = f.T @ f
+
+    def solid(stretch: float) -> float:
+        log_j = np.log(np.sqrt(np.linalg.det(a)) * stretch)
+        trace = np.trace(a) + stretch**2
+        return MU / 2 * (trace - 3 - 2 * log_j) + LAMBDA / 2 * log_j**2
+
+    brute = minimize_scalar(solid, bounds=(0.5, 2.0), method="bounded", options={"xatol": 1e-10})
+    found = membrane_energy(a[0, 0] - 1, a[0, 1], a[1, 1] - 1, MU, LAMBDA)
+    assert found == pytest.approx(brute.fun, rel=1e-10)
+
+
+def test_bending_uses_the_turn_per_rest_length():
+    """D/2 [(1 - nu) tr S^2 + nu (tr S)^2] with S = U^-1 b, U the square root of a, by eigenvalues."""
+    a = np.array([[1.3, 0.2], [0.2, 0.8]])
+    b = np.array([[0.5, -0.1], [-0.1, 0.2]])
+    values, modes = np.linalg.eigh(a)
+    s = modes @ np.diag(values**-0.5) @ modes.T @ b
+    expected = 0.5 * ((1 - NU) * np.trace(s @ s) + NU * np.trace(s) ** 2)
+    parts = (np.array([1.3, 0.2, 0.8]), np.array([0.5, -0.1, 0.2]))
+    area = np.sqrt(np.linalg.det(a))
+    assert bending_energy(*parts, area, NU) == pytest.approx(expected, rel=1e-13)
+
+
+def test_shell_law_derivatives():
+    """All 6 + 36 derivatives of the law in (a, b) against differences."""
+    e = np.array([0.2, -0.07, -0.15])
+    b = np.array([0.5, -0.3, 0.4])
+    thickness, stiffness = 0.4, 0.18
+
+    def energy(s: np.ndarray) -> float:
+        a = np.array([1.0 + s[0], s[1], 1.0 + s[2]])
+        area = np.sqrt(a[0] * a[2] - a[1] ** 2)
+        membrane = thickness * membrane_energy(*s[:3], MU, LAMBDA)
+        return membrane + stiffness * bending_energy(a, s[3:], area, NU)
+
+    def gradient(s: np.ndarray) -> np.ndarray:
+        out = np.empty(6)
+        shell_law(s[:3], s[3:], MU, LAMBDA, thickness, stiffness, NU, out, np.empty((0, 0)))
+        return out
+
+    state, hessian = np.concatenate([e, b]), np.empty((6, 6))
+    shell_law(e, b, MU, LAMBDA, thickness, stiffness, NU, np.empty(6), hessian)
+    for k, axis in enumerate(np.eye(6)):
+        slope = directional_difference(lambda h, d=axis: energy(state + h * d), 1e-3)
+        assert gradient(state)[k] == pytest.approx(slope, rel=1e-7)
+        column = directional_difference(lambda h, d=axis: gradient(state + h * d), 1e-3)
+        assert hessian[:, k] == pytest.approx(column, rel=1e-6, abs=1e-8)

@@ -58,7 +58,7 @@ clean:
 
 .venv/.packages: requirements.lock pyproject.toml .venv/.python
 	@echo "set-up: installing the locked packages" >&2
-	@$(BIN)/uv pip sync --quiet --python $(BIN)/python requirements.lock
+	@$(BIN)/uv pip sync --quiet --compile-bytecode --python $(BIN)/python requirements.lock
 	@$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --editable .
 	@touch $@
 

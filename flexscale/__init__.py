@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.registry import between, open_registry
-    from flexscale.homogenize import SolverOptions, sweep, tangent_stiffness
+    from flexscale.homogenize.sweep import sweep
+    from flexscale.homogenize.tangent import tangent_stiffness
     from flexscale.mesh.options import MeshOptions
     from flexscale.patterns.material import PETG, TPU, NeoHookean
     from flexscale.patterns.pattern import Pattern
+    from flexscale.solve.newton import SolverOptions
     from flexscale.tilings import Tiling, families
 
 __version__ = "0.1.0"
@@ -43,13 +45,13 @@ _HOMES = {
     "MeshOptions": "flexscale.mesh.options",
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
-    "SolverOptions": "flexscale.homogenize",
+    "SolverOptions": "flexscale.solve.newton",
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",
     "families": "flexscale.tilings",
     "open_registry": "flexscale.datasets.registry",
-    "sweep": "flexscale.homogenize",
-    "tangent_stiffness": "flexscale.homogenize",
+    "sweep": "flexscale.homogenize.sweep",
+    "tangent_stiffness": "flexscale.homogenize.tangent",
 }
 
 

@@ -17,8 +17,6 @@ from flexscale.cli import data, tiling
 from flexscale.cli.options import Json, Quiet, Results
 from flexscale.errors import FlexScaleError
 
-INTERRUPTED = 130
-
 app = typer.Typer(
     name="flexscale",
     help="Bending of flexible scaled sheets, from a scale pattern to its bending dataset.",
@@ -48,7 +46,7 @@ def run(
     results: Results = Path("results"),
     quiet: Quiet = False,
 ) -> None:
-    """Run an experiment file to its end; started again, it goes on where it stopped."""
+    """Run an experiment file; run again, it resumes."""
     from flexscale.cli.run import list_fields, run_experiment
 
     if fields:
@@ -70,7 +68,7 @@ def figures(
         list[str] | None, typer.Option(help="INPUT=ID where several datasets fit; may be repeated.")
     ] = None,
 ) -> None:
-    """Draw figures of the paper from stored datasets alone, offline."""
+    """Draw the paper's figures from stored datasets."""
     from flexscale.cli.figures import draw_figures
 
     raise typer.Exit(draw_figures(names or [], results, out, use or []))
@@ -84,7 +82,7 @@ def doctor(
         bool, typer.Option("--fix", help="Install missing system libraries (needs root, Debian).")
     ] = False,
 ) -> None:
-    """Check what is missing on this machine, and name the command that fixes it."""
+    """Say what this machine lacks and what fixes it."""
     from flexscale.cli.doctor import examine
 
     raise typer.Exit(examine(as_json=json, quiet=quiet, fix=fix))
@@ -110,12 +108,6 @@ def main() -> None:
     except FlexScaleError as error:
         print(f"flexscale: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
-    except KeyboardInterrupt:
-        print("flexscale: interrupted; finished work is kept.", file=sys.stderr)
-        sys.exit(INTERRUPTED)
-    except BrokenPipeError:  # `flexscale data list | head`
-        sys.stderr.close()
-        sys.exit(0)
     except Exception:
         traceback.print_exc()
         print("flexscale: this is a bug; please report it with the lines above.", file=sys.stderr)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from flexscale.steps.plan import Job, Plan, build_plan
 from flexscale.steps.summary import describe_fields, outcome
 
 NOT_CONVERGED = 3
+INTERRUPTED = 130
 
 
 def run_experiment(
@@ -33,12 +35,12 @@ def run_experiment(
 
     Returns
     -------
-    Exit code: 0, 3 when samples did not converge, else that of the first job that failed.
+    Exit code: 0; 3 when samples did not converge; 130 when stopped by Ctrl-C or a termination
+    signal, with finished work kept; else that of the first job that failed.
 
     Raises
     ------
     BadInputError : the file says something that cannot be computed.
-    KeyboardInterrupt : stopped by Ctrl-C or a termination signal; finished work is kept.
     """
     experiment = load_experiment(file)
     plan = build_plan(experiment)
@@ -50,7 +52,14 @@ def run_experiment(
     errors: dict[str, dict[str, Any]] = {}
     seconds: dict[str, float] = {}
     if len(finished) < len(plan.jobs):
-        errors, seconds = _run(plan, experiment, store, cores or _all_cores(), finished, quiet)
+        try:
+            errors, seconds = _run(plan, experiment, store, cores or _all_cores(), finished, quiet)
+        except KeyboardInterrupt:
+            print(
+                "flexscale: interrupted; finished work is kept. Go on with the same command.",
+                file=sys.stderr,
+            )
+            return INTERRUPTED
     return _report(plan, store, seconds, errors)
 
 
@@ -67,8 +76,11 @@ def _run(
     seconds: dict[str, float] = {}
     signal.signal(signal.SIGINT, _interrupt)
     signal.signal(signal.SIGTERM, _interrupt)
-    with Progress(plan, finished, quiet=quiet) as progress:
-        for event in run_plan(plan, experiment, store, cores):
+    with (
+        Progress(plan, finished, quiet=quiet) as progress,
+        closing(run_plan(plan, experiment, store, cores)) as events,
+    ):
+        for event in events:
             progress.show(event)
             if event["event"] == "error":
                 errors[event["job"]] = event

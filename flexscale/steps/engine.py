@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,10 +29,6 @@ _GRACE = 5.0  # s that processes get to stop before they are killed
 _POLL = 0.2  # s between looks at the events
 
 
-class Interrupted(Exception):
-    """The run was stopped from outside; finished work is kept."""
-
-
 def finished_jobs(plan: Plan, store: Store) -> dict[str, str]:
     """Job id -> dataset id or picture, for the jobs that need not run.
 
@@ -51,8 +47,8 @@ def finished_jobs(plan: Plan, store: Store) -> dict[str, str]:
 
 def run_plan(
     plan: Plan, experiment: Experiment, store: Store, cores: int
-) -> Iterator[dict[str, Any]]:
-    """Run every job that is not finished; yields events, and None-like ticks while waiting.
+) -> Generator[dict[str, Any], None, None]:
+    """Run every job that is not finished, and yield what happens; close it to stop everything.
 
     Parameters
     ----------
@@ -67,7 +63,7 @@ def run_plan(
 
     Raises
     ------
-    Interrupted : from the caller's signal handler, passed through after everything stopped.
+    MissingDataError : another run is working in this folder.
     FlexScaleError : the engine itself failed; its log is named.
     """
     work = store.root.resolve() / "local"
@@ -87,7 +83,7 @@ def run_plan(
                     failed |= event["event"] == "error"
                     yield event
                 yield {"event": "tick"}
-        yield from (event for event in reader.read())
+        yield from reader.read()
         if process.returncode != 0 and not failed:
             raise FlexScaleError(_engine_failure(log, process.returncode))
 
@@ -137,7 +133,9 @@ def _engine(
     }
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     command += ["--directory", str(work), "--configfile", str(config), "--cores", str(cores)]
-    command += ["--nolock", "--rerun-incomplete", "--keep-going", "--quiet", "all"]
+    # Whether a job is done is told by its stamp alone; see `_match_stamps`.
+    command += ["--nolock", "--rerun-incomplete", "--rerun-triggers", "mtime"]
+    command += ["--keep-going", "--quiet", "all"]
     # The shell gets a group of its own, so that Ctrl-C reaches only us and we stop all in order.
     process = subprocess.Popen(
         command,

@@ -116,7 +116,7 @@ def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) 
 
 def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], int]]:
     """Step name -> parameters besides pattern and mesh, and the number of samples."""
-    solver = {"solver": experiment.solver.build().to_config()}
+    solver: dict[str, object] = {"solver": experiment.solver.build().to_config()}
     wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
     if experiment.tangent is not None:
         wanted["tangent"] = (experiment.tangent.model_dump(), 1)
@@ -125,8 +125,8 @@ def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], 
         size = len(block.sides) * len(block.directions) * len(block.curvatures)
         wanted["sweep"] = (block.model_dump() | solver, size)
     if experiment.shapes:
-        samples = [shape.model_dump() for shape in experiment.shapes]
-        wanted["shape"] = ({"samples": samples} | solver, len(samples))
+        samples: object = [shape.model_dump() for shape in experiment.shapes]
+        wanted["shape"] = ({"samples": samples} | solver, len(experiment.shapes))
     return wanted
 
 

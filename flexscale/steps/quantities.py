@@ -29,6 +29,7 @@ UNITS: dict[str, dict[str, float]] = {
     "degree": {"degree": 1.0, "degrees": 1.0, "deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},
 }
 
+_MOST_VALUES = 10_000
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 
 
@@ -56,6 +57,26 @@ class Quantity(NamedTuple):
         inverse = round(1.0 / factor) if factor < 1.0 else 0
         exact = inverse and abs(inverse * factor - 1.0) < 1e-12
         return float(number) / inverse if exact else float(number) * factor
+
+    def expand(self, value: Any) -> Any:
+        """List of numbers from {start, stop, step}; anything else is left to pydantic."""
+        if not isinstance(value, dict):
+            return value
+        if set(value) != {"start", "stop", "step"}:
+            raise PydanticCustomError(
+                "series", "a range has exactly the keys start, stop (not included) and step", {}
+            )
+        start, stop, step = (self.read(value[key]) for key in ("start", "stop", "step"))
+        numbers = all(isinstance(number, int | float) for number in (start, stop, step))
+        if not numbers or step <= 0.0 or stop <= start or (stop - start) / step > _MOST_VALUES:
+            raise PydanticCustomError(
+                "series",
+                "a range needs step > 0, stop > start and at most {most} values",
+                {"most": _MOST_VALUES},
+            )
+        # A little short of `stop`, so that rounding never adds it; 12 digits keep 0.0015 itself.
+        count = math.ceil((stop - start) / step - 1e-9)
+        return [float(f"{start + index * step:.12g}") for index in range(count)]
 
 
 def _refuse(value: Any, unit: str) -> PydanticCustomError:
@@ -86,9 +107,10 @@ def declared(default: Any, meaning: str, **bounds: Any) -> Any:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Unit a field was annotated with, "" for pure numbers and text."""
+    """Unit a field was annotated with, that of its items for a series; "" for text."""
     for marker in field.metadata:
-        quantity = getattr(getattr(marker, "func", None), "__self__", None)
+        function = getattr(marker, "func", None)
+        quantity = getattr(function, "__self__", None)
         if isinstance(quantity, Quantity):
             return quantity.unit
     return ""
@@ -96,22 +118,4 @@ def unit_of(field: FieldInfo) -> str:
 
 def series(name: str) -> BeforeValidator:
     """Marker for a tuple of values: a list, or {start, stop, step} without `stop` itself."""
-
-    def expand(value: Any) -> Any:
-        if not isinstance(value, dict):
-            return value
-        if set(value) != {"start", "stop", "step"}:
-            raise PydanticCustomError(
-                "series", "a range has exactly the keys start, stop (not included) and step", {}
-            )
-        start, stop, step = (Quantity(name).read(value[key]) for key in ("start", "stop", "step"))
-        numbers = all(isinstance(number, int | float) for number in (start, stop, step))
-        if not numbers or step <= 0.0 or stop <= start or (stop - start) / step > 10_000:
-            raise PydanticCustomError(
-                "series", "a range needs step > 0, stop > start and at most 10000 values", {}
-            )
-        # A little short of `stop`, so that rounding never adds it; 12 digits keep 0.0015 itself.
-        count = math.ceil((stop - start) / step - 1e-9)
-        return [float(f"{start + index * step:.12g}") for index in range(count)]
-
-    return BeforeValidator(expand)
+    return BeforeValidator(Quantity(name).expand)

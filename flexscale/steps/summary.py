@@ -53,19 +53,19 @@ def outcome(store: Store, entry: Entry) -> tuple[str, list[str]]:
 
 
 def describe_fields(block: type[BaseModel], prefix: str = "") -> str:
-    """Lines on every field of an experiment block: name, unit, default, bounds and meaning."""
+    """Lines on every field of an experiment block: name, unit, default and bounds, meaning."""
     lines = []
     for name, field in block.model_fields.items():
         inner = _inner_block(field.annotation)
         place = f"{prefix}{name}"
         unit = unit_of(field)
-        facts = [f"[{unit}]"] if unit not in ("", "1") else []
-        facts += [f"{_SIGNS[key]} {value:g}" for key, value in _bounds(field).items()]
+        facts = [f"{_SIGNS[key]} {value:g}" for key, value in _bounds(field).items()]
         if field.is_required():
-            facts.append("required")
+            facts.insert(0, "required")
         elif inner is None:
-            facts.append(f"default {_shown(field.default)}")
-        lines.append(f"{place:<38} {field.description} {' '.join(facts)}".rstrip() + "\n")
+            facts.insert(0, _shown(field.default))
+        text = f"{place:<47} {unit if unit != '1' else '':<7} {'  '.join(facts):<22}"
+        lines.append(f"{text} {field.description}\n")
         if inner is not None:
             step = ".NAME." if get_origin(field.annotation) is dict else "."
             lines.append(describe_fields(inner, place + step))
@@ -91,4 +91,4 @@ def _shown(value: Any) -> str:
     if isinstance(value, tuple):
         few = ", ".join(_shown(item) for item in value[:3])
         return f"[{few}{', …' if len(value) > 3 else ''}]"
-    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+    return "-" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

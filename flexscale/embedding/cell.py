@@ -104,6 +104,7 @@ class CellEmbedding:
     Attributes
     ----------
     mesh : the torus mesh.
+    bond_radius : mm, around an outline point, over which the sheet follows a scale's base.
     world_map : z -> y.
     n_unknowns : length of z, S included.
     rest : (n_unknowns,) z of the flat, stress-free state.
@@ -116,8 +117,9 @@ class CellEmbedding:
     shell : rows and geometry of the gap triangles.
     """
 
-    def __init__(self, mesh: PeriodicMesh) -> None:
+    def __init__(self, mesh: PeriodicMesh, bond_radius: float = 0.0) -> None:
         self.mesh = mesh
+        self.bond_radius = bond_radius
         self._number_unknowns()
         self._bond()
         rows = _Rows()

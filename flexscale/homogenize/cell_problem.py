@@ -55,6 +55,7 @@ class CellProblem:
     substrate_material, substrate_thickness : of the sheet, thickness in mm.
     scale_material : of the scales.
     linear_solver : "auto", "pardiso" or "superlu".
+    bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
 
     Attributes
     ----------
@@ -71,10 +72,11 @@ class CellProblem:
         substrate_thickness: float,
         scale_material: NeoHookean,
         linear_solver: str = "auto",
+        bond_radius: float = 0.0,
     ) -> None:
         self.mesh = mesh
         self.area = mesh.cell_area
-        self.embedding = CellEmbedding(mesh)
+        self.embedding = CellEmbedding(mesh, bond_radius)
         shell = self.embedding.shell
         self.energies: list[Energy] = [
             HctShell(
@@ -124,6 +126,7 @@ class CellProblem:
             pattern.substrate_thickness,
             pattern.scale_material,
             linear_solver,
+            pattern.bond_radius,
         )
 
     def bent(self, bend: Bend) -> BentCell:

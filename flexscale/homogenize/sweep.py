@@ -207,6 +207,7 @@ def _in_processes(
         pattern.substrate_thickness,
         pattern.scale_material,
         solver.linear_solver,
+        pattern.bond_radius,
     )
     pool = ProcessPoolExecutor(
         workers, initializer=_start_worker, initargs=arguments, env=SINGLE_THREAD

@@ -15,7 +15,7 @@ from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
-from flexscale.units import require_positive
+from flexscale.units import require_positive, require_range
 
 CUSTOM = "custom"
 
@@ -30,6 +30,9 @@ class Pattern:
     gap : mm, width of the gap between neighboring scales.
     scale_height : mm.
     substrate_thickness : mm.
+    bond_radius : mm, how far around a point of a scale's outline the sheet grips the scale's base;
+        the substrate's thickness if not given. 0 ties points to points: line loads then sink into
+        the scale the deeper the finer its mesh.
     scale_material, substrate_material : Neo-Hookean solids.
     name : what to call the pattern; the tiling's own name ("hexagon") if not given.
 
@@ -54,6 +57,7 @@ class Pattern:
     gap: float
     scale_height: float
     substrate_thickness: float
+    bond_radius: float
     scale_material: NeoHookean
     substrate_material: NeoHookean
     tiles: tuple[FloatArray, ...]
@@ -61,6 +65,7 @@ class Pattern:
     prototiles: tuple[Prototile, ...]
     copies: tuple[TileCopy, ...]
     _given: tuple[tuple[FloatArray, ...], FloatArray]
+    _given_bond_radius: float | None
 
     def __init__(
         self,
@@ -70,6 +75,7 @@ class Pattern:
         gap: float = 0.4,
         scale_height: float = 4.0,
         substrate_thickness: float = 0.4,
+        bond_radius: float | None = None,
         scale_material: NeoHookean = PETG,
         substrate_material: NeoHookean = TPU,
         name: str | None = None,
@@ -82,7 +88,7 @@ class Pattern:
         factor = np.sqrt(require_positive(tile_area, "tile area", "mm²"))
         lattice = factor * tiling.lattice
         cell = build_cell([factor * tile for tile in tiling.tiles], *lattice)
-        sizes = (gap, scale_height, substrate_thickness)
+        sizes = (gap, scale_height, substrate_thickness, bond_radius)
         self._fill(cell, name or tiling.pattern_name, sizes, scale_material, substrate_material)
         self._set(family=tiling.family, tiling=tiling, tile_area=float(tile_area))
 
@@ -96,6 +102,7 @@ class Pattern:
         gap: float = 0.4,
         scale_height: float = 4.0,
         substrate_thickness: float = 0.4,
+        bond_radius: float | None = None,
         scale_material: NeoHookean = PETG,
         substrate_material: NeoHookean = TPU,
         name: str = CUSTOM,
@@ -111,7 +118,7 @@ class Pattern:
         """
         pattern = cls.__new__(cls)
         cell = build_cell(list(tiles), t1, t2)
-        sizes = (gap, scale_height, substrate_thickness)
+        sizes = (gap, scale_height, substrate_thickness, bond_radius)
         pattern._fill(cell, name, sizes, scale_material, substrate_material)
         # Kept as given: rebuilding from the corners merged here would move the last bits.
         given = tuple(np.array(tile, dtype=float) for tile in tiles)
@@ -122,21 +129,25 @@ class Pattern:
         self,
         cell: TiledCell,
         name: str,
-        sizes: tuple[float, float, float],
+        sizes: tuple[float, float, float, float | None],
         scale_material: NeoHookean,
         substrate_material: NeoHookean,
     ) -> None:
-        gap, scale_height, substrate_thickness = sizes
+        gap, scale_height, substrate_thickness, bond_radius = sizes
         for material in (scale_material, substrate_material):
             if not isinstance(material, NeoHookean):
                 raise PatternError(f"A material must be a NeoHookean, not {material!r}.")
         gap = require_positive(gap, "gap", "mm")
+        substrate_thickness = require_positive(substrate_thickness, "substrate thickness", "mm")
+        spread = _bond_radius(bond_radius, substrate_thickness, cell)
         prototiles, copies = find_prototiles(cell, gap)
         self._set(
             name=str(name),
             gap=gap,
             scale_height=require_positive(scale_height, "scale height", "mm"),
-            substrate_thickness=require_positive(substrate_thickness, "substrate thickness", "mm"),
+            substrate_thickness=substrate_thickness,
+            bond_radius=spread,
+            _given_bond_radius=None if bond_radius is None else spread,
             scale_material=scale_material,
             substrate_material=substrate_material,
             tiles=cell.tiles,
@@ -174,7 +185,10 @@ class Pattern:
         return tuple(found)
 
     def with_(self, **changes: Any) -> Pattern:
-        """Copy with some constructor parameters changed."""
+        """Copy with some constructor parameters changed.
+
+        A `bond_radius` that was not given follows a changed `substrate_thickness`.
+        """
         shape = {"tiling", "tile_area"} if self.tiling else set()
         known = shape | {"name", *_SIZES, *_MATERIALS}
         for key in changes:
@@ -183,7 +197,8 @@ class Pattern:
                     f"Pattern {self.name!r} has no parameter {key!r} to change. "
                     f"{suggest(key, sorted(known))}"
                 )
-        kept = {key: getattr(self, key) for key in known} | changes
+        kept = {key: getattr(self, key) for key in known}
+        kept |= {"bond_radius": self._given_bond_radius} | changes
         if self.tiling:
             return Pattern(**kept)
         tiles, lattice = self._given
@@ -238,8 +253,16 @@ class Pattern:
         )
 
 
-_SIZES = ("gap", "scale_height", "substrate_thickness")
+_SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
 _MATERIALS = ("scale_material", "substrate_material")
+
+
+def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:
+    """The bond radius, mm: as given, or the substrate's thickness."""
+    if given is None:
+        return thickness
+    largest = float(np.sqrt(np.linalg.det(cell.lattice) / len(cell.tiles)))
+    return require_range(given, "bond radius", "mm", 0.0, largest)
 
 
 def _material(key: str, given: Any) -> NeoHookean:

@@ -65,6 +65,8 @@ def test_gap_at_which_the_scale_falls_apart() -> None:
         ("scale_height", -4.0, "scale height is -4 mm"),
         ("substrate_thickness", 0.0, "substrate thickness is 0 mm"),
         ("tile_area", -1.0, "tile area is -1 mm²"),
+        ("bond_radius", -0.1, "bond radius is -0.1 mm"),
+        ("bond_radius", 11.0, "between 0 mm and 10 mm"),
     ],
 )
 def test_sizes(key: str, value: float, words: str) -> None:

@@ -93,6 +93,17 @@ def test_changed_copy(name: str) -> None:
     assert pattern.gap == 0.4
 
 
+def test_bond_radius_is_the_thickness_unless_given() -> None:
+    pattern = SHAPES["square"][0]
+    assert pattern.bond_radius == 0.4
+    assert pattern.with_(substrate_thickness=0.6).bond_radius == 0.6
+    narrow = pattern.with_(bond_radius=0.1)
+    assert narrow.with_(substrate_thickness=0.6).bond_radius == 0.1
+    assert narrow.to_config()["bond_radius"] == 0.1
+    assert narrow != pattern
+    assert pattern.with_(bond_radius=0.0).bond_radius == 0.0
+
+
 def test_pattern_cannot_be_changed_in_place() -> None:
     pattern = custom([SQUARE], (10, 0), (0, 10))
     with pytest.raises(AttributeError, match=r"with_\(gap=…\)"):

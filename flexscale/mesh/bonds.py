@@ -1,16 +1,44 @@
-"""How points on the sheet under a scale follow the scale's base."""
+"""How points on the sheet under a scale follow the scale's base.
+
+A sheet tied to an elastic base along a line loads that line with forces and couples, and under
+these an elastic body sinks in the deeper the finer its mesh, without limit. A real bond spreads
+them over about the sheet's thickness. So a point p follows the affine motion X0 + G (q - p) that
+fits the base best over the part of it within a radius b of p, in least squares with weight
+(1 - r^2/b^2)^2, r = |q - p|. For b -> 0 this is the base's position and gradient at p.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flexscale.errors import MeshError
 from flexscale.mesh.periodic_mesh import FloatArray, IntArray, PeriodicMesh
+from flexscale.mesh.quadratic import TRIANGLE_EDGES
 
 TOLERANCE = 1e-7  # in barycentric coordinates: a point this far outside still is on the triangle
+FINEST = 0.25  # of the radius: base triangles are cut down to this size before they are integrated
+ROUNDING = 1e-6  # mirror images must be cut alike although their lengths differ in the last bits
+
+# Six points, exact to degree 4, alike under every exchange of corners (Dunavant 1985).
+_A, _B = 0.445948490915965, 0.091576213509771
+_RULE = np.array(
+    [[a if i != k else 1.0 - 2.0 * a for i in range(3)] for a in (_A, _B) for k in range(3)]
+)
+_RULE_WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
+# Corners of the four quarters of a triangle, in its own barycentric coordinates.
+_QUARTERS = 0.5 * np.array(
+    [
+        [[2, 0, 0], [1, 1, 0], [1, 0, 1]],
+        [[1, 1, 0], [0, 2, 0], [0, 1, 1]],
+        [[1, 0, 1], [0, 1, 1], [0, 0, 2]],
+        [[1, 1, 0], [0, 1, 1], [1, 0, 1]],
+    ]
+)
+
+_Row = tuple[IntArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -26,7 +54,7 @@ class Bonds:
     indptr : (n_points + 1,)
     scale_vertices : (nnz,) vertices at z = 0.
     values : (nnz,) they add up to 1 at each point.
-    gradients : (nnz, 2) mm⁻¹, they add up to 0. Where triangles meet, their mean.
+    gradients : (nnz, 2) mm⁻¹, they add up to 0 at each point.
     """
 
     indptr: IntArray
@@ -35,45 +63,113 @@ class Bonds:
     gradients: FloatArray
 
 
-def build_bonds(mesh: PeriodicMesh, points: FloatArray, scales: NDArray[np.integer]) -> Bonds:
+def build_bonds(
+    mesh: PeriodicMesh, points: FloatArray, scales: NDArray[np.integer], radius: ArrayLike = 0.0
+) -> Bonds:
     """Bond points to the bases of the scales above them.
 
-    Equal weights for all base triangles that contain a point keep the bond as symmetric as the
-    triangulation.
+    Both rules are as symmetric as the triangulation of the base, and exact for affine motions.
 
     Parameters
     ----------
     points : (n, 2) rest positions at the scales' home places (lattice offset 0), mm.
     scales : (n,) scale above each point.
+    radius : () or (n,) mm, of the part of the base that a point follows; 0 for the base's position
+        and gradient at the point itself, the mean over the base triangles that meet there.
 
     Raises
     ------
     MeshError : a point does not lie under its scale.
     """
-    corners = mesh.scale_positions[mesh.base_triangles, :2]
-    gradients = _shape_gradients(corners)
-    rows: list[tuple[IntArray, FloatArray, FloatArray]] = []
-    for point, scale in zip(np.asarray(points, dtype=float), scales, strict=True):
-        own = np.flatnonzero(mesh.base_scale == scale)
-        arms = point - corners[own, 0]
-        shares = np.einsum("tkd,td->tk", gradients[own], arms)
-        shares[:, 0] += 1.0
-        inside = shares.min(axis=1, initial=np.inf) > -TOLERANCE
-        if not inside.any():
+    points = np.asarray(points, dtype=float)
+    bases = {int(scale): _Base(mesh, int(scale)) for scale in np.unique(scales)}
+    rows: list[_Row] = []
+    for point, scale, reach in zip(
+        points, scales, np.broadcast_to(radius, len(points)), strict=True
+    ):
+        row = bases[int(scale)].row_at(point)
+        if row is None:
             raise MeshError(
                 f"The point ({point[0]:.6g}, {point[1]:.6g}) mm does not lie under scale {scale}."
             )
-        rows.append(
-            _merge_row(mesh.base_triangles[own[inside]], shares[inside], gradients[own[inside]])
-        )
+        rows.append(bases[int(scale)].row_around(point, float(reach)) if reach > 0.0 else row)
     indptr = np.concatenate([[0], np.cumsum([len(row[0]) for row in rows], dtype=np.int64)])
     if not rows:
         return Bonds(indptr, np.zeros(0, np.int64), np.zeros(0), np.zeros((0, 2)))
-    vertices, values, slopes = (np.concatenate(parts) for parts in zip(*rows, strict=True))
-    return Bonds(indptr, vertices, values, slopes)
+    vertices, values, gradients = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+    return Bonds(indptr, vertices, values, gradients)
 
 
-def _shape_gradients(corners: FloatArray) -> FloatArray:
+class _Base:
+    """The base of one scale: rows of weights at, and around, its points."""
+
+    def __init__(self, mesh: PeriodicMesh, scale: int) -> None:
+        self.triangles = mesh.base_triangles[mesh.base_scale == scale]
+        self.corners = mesh.scale_positions[self.triangles[:, :3], :2]
+        self.slopes = _barycentric_gradients(self.corners)
+        self.quadratic = self.triangles.shape[1] == 6
+
+    def row_at(self, point: FloatArray) -> _Row | None:
+        """Position and gradient at a point, the mean over the triangles there; None outside."""
+        shares = np.einsum("tkd,td->tk", self.slopes, point - self.corners[:, 0])
+        shares[:, 0] += 1.0
+        inside = shares.min(axis=1, initial=np.inf) > -TOLERANCE
+        if not inside.any():
+            return None
+        values, gradients = shares[inside], self.slopes[inside]
+        if self.quadratic:
+            gradients = _quadratic_gradients(values, gradients)
+            values = _quadratic_values(values)
+        forms = np.concatenate([values[..., None], gradients], axis=2) / np.count_nonzero(inside)
+        return _merge_row(self.triangles[inside], forms)
+
+    def row_around(self, point: FloatArray, radius: float) -> _Row:
+        """The affine motion (X0, G) that fits the base best within `radius` of a point."""
+        arms = (self.corners - point) / radius
+        owner, shares, areas = _cut_near_origin(arms)
+        places = np.einsum("nk,nkd->nd", shares, arms[owner])
+        weights = areas * np.maximum(1.0 - np.sum(places**2, axis=1), 0.0) ** 2
+        modes = np.column_stack([np.ones(len(places)), places])
+        weighted = weights[:, None] * modes
+        fit = np.linalg.solve(modes.T @ weighted, weighted.T)  # (3, n): (X0, radius G) from x(q)
+        fit[1:] /= radius
+        values = _quadratic_values(shares) if self.quadratic else shares
+        near, slot = np.unique(owner, return_inverse=True)
+        forms = np.zeros((len(near), values.shape[1], 3))
+        np.add.at(forms, slot, values[:, :, None] * fit.T[:, None, :])
+        return _merge_row(self.triangles[near], forms)
+
+
+def _cut_near_origin(corners: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Quadrature points of triangles (n, 3, 2) over the unit disc, fine on its scale.
+
+    Returns
+    -------
+    owner (m,) triangle of each point, shares (m, 3) its barycentric coordinates there, and areas
+    (m,). Triangles clear of the disc have no points.
+    """
+    owner = np.arange(len(corners))
+    pieces = np.tile(np.eye(3), (len(corners), 1, 1))  # corners in their owner's coordinates
+    owners, shares, areas = [], [], []
+    while len(owner):
+        placed = pieces @ corners[owner]
+        middle = placed.mean(axis=1)
+        extent = np.linalg.norm(placed - middle[:, None], axis=2).max(axis=1)
+        near = np.linalg.norm(middle, axis=1) < 1.0 + extent
+        owner, pieces, placed = owner[near], pieces[near], placed[near]
+        edges = placed - np.roll(placed, 1, axis=1)
+        fine = np.linalg.norm(edges, axis=2).max(axis=1) <= FINEST * (1.0 + ROUNDING)
+        u, v = edges[fine, 1], edges[fine, 2]
+        area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+        owners.append(np.repeat(owner[fine], len(_RULE)))
+        shares.append((_RULE @ pieces[fine]).reshape(-1, 3))
+        areas.append((area[:, None] * _RULE_WEIGHTS).ravel())
+        owner = np.repeat(owner[~fine], 4)
+        pieces = (_QUARTERS @ pieces[~fine][:, None]).reshape(-1, 3, 3)
+    return np.concatenate(owners), np.concatenate(shares), np.concatenate(areas)
+
+
+def _barycentric_gradients(corners: FloatArray) -> FloatArray:
     """Gradients (n, 3, 2) of the barycentric coordinates of triangles (n, 3, 2)."""
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -81,16 +177,24 @@ def _shape_gradients(corners: FloatArray) -> FloatArray:
     return np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1) / double[:, None, None]
 
 
-def _merge_row(
-    triangles: IntArray, shares: FloatArray, gradients: FloatArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Mean over triangles, one entry per vertex."""
-    vertices, slot = np.unique(triangles, return_inverse=True)
-    slot = slot.ravel()
-    n = len(vertices)
-    slopes = gradients.reshape(-1, 2)
-    return (
-        vertices,
-        np.bincount(slot, shares.ravel(), n) / len(triangles),
-        np.stack([np.bincount(slot, slopes[:, k], n) for k in (0, 1)], axis=1) / len(triangles),
+def _quadratic_values(shares: FloatArray) -> FloatArray:
+    """Quadratic shape functions (n, 6) at barycentric coordinates (n, 3)."""
+    start, end = np.transpose(TRIANGLE_EDGES)
+    return np.concatenate(
+        [shares * (2.0 * shares - 1.0), 4.0 * shares[:, start] * shares[:, end]], axis=1
     )
+
+
+def _quadratic_gradients(shares: FloatArray, slopes: FloatArray) -> FloatArray:
+    """Their gradients (n, 6, 2); `slopes` (n, 3, 2) are those of the barycentric coordinates."""
+    start, end = np.transpose(TRIANGLE_EDGES)
+    middle = shares[:, start, None] * slopes[:, end] + shares[:, end, None] * slopes[:, start]
+    return np.concatenate([(4.0 * shares - 1.0)[..., None] * slopes, 4.0 * middle], axis=1)
+
+
+def _merge_row(triangles: IntArray, forms: FloatArray) -> _Row:
+    """Sum of the triangles' (n, k, 3) weights for value and gradient, one entry per vertex."""
+    vertices, slot = np.unique(triangles, return_inverse=True)
+    merged = np.zeros((len(vertices), 3))
+    np.add.at(merged, slot.ravel(), forms.reshape(-1, 3))
+    return vertices, merged[:, 0], merged[:, 1:]

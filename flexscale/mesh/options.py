@@ -22,6 +22,7 @@ class MeshOptions:
     across_grading : ratio of neighboring sizes across the gap, away from the scale outline.
     scale_size : mm, size of the triangles of a scale's base.
     scale_layers : layers of tets over the height of a scale.
+    scale_order : 1 linear tets (the paper's; they lock in bending), 2 quadratic.
     """
 
     across: int = 2
@@ -30,7 +31,8 @@ class MeshOptions:
     growth: float = 1.6
     across_grading: float = 1.0
     scale_size: float = 2.0
-    scale_layers: int = 2
+    scale_layers: int = 1
+    scale_order: int = 2
 
     def __post_init__(self) -> None:
         for name in ("along", "corner", "scale_size"):
@@ -56,6 +58,12 @@ class MeshOptions:
         object.__setattr__(self, "across", int(across))
         object.__setattr__(self, "scale_layers", int(layers))
 
+        if self.scale_order not in (1, 2):
+            raise MeshError(
+                f"Mesh option scale_order is {self.scale_order}: give 1 for linear tets or 2 for "
+                "quadratic ones."
+            )
+
     def to_config(self) -> dict[str, Any]:
         """The options as plain numbers; `MeshOptions(**config)` makes them again."""
         return asdict(self)
@@ -71,4 +79,5 @@ class MeshOptions:
             across_grading=self.across_grading ** (1.0 / factor),
             scale_size=self.scale_size / factor,
             scale_layers=max(1, round(self.scale_layers * factor)),
+            scale_order=self.scale_order,
         )

@@ -41,9 +41,11 @@ class PeriodicMesh:
     edge_scale : (n_edges,) scale on whose outline the edge lies, -1 in the gap, -2 strictly
         under a scale.
     scale_positions : (n_scale_vertices, 3) every scale whole, at offset 0, 0 <= z <= scale_height.
-    tets : (n_tets, 4) scale vertices, positively oriented.
+    tets : (n_tets, 4) scale vertices, positively oriented; (n_tets, 10) if quadratic, corners first
+        and then the edges' middles in the order of `quadratic.TET_EDGES`.
     tet_scale : (n_tets,) scale of a tet.
-    base_triangles : (n_base, 3) scale vertices at z = 0, counterclockwise seen from +z.
+    base_triangles : (n_base, 3) scale vertices at z = 0, counterclockwise seen from +z; (n_base, 6)
+        if quadratic.
     base_scale : (n_base,) scale of a base triangle.
     surface_triangles : (n_surface, 3) scale vertices, normals outward.
     surface_scale : (n_surface,) scale of a surface triangle.
@@ -131,13 +133,13 @@ class PeriodicMesh:
 
     def tet_volumes(self) -> FloatArray:
         """Signed volumes (n_tets,), mm³."""
-        corners = self.scale_positions[self.tets]
+        corners = self.scale_positions[self.tets[:, :4]]
         arms = corners[:, 1:] - corners[:, :1]
         return np.linalg.det(arms) / 6.0
 
     def base_areas(self) -> FloatArray:
         """Signed areas (n_base,) of the base triangles, mm²."""
-        corners = self.scale_positions[self.base_triangles, :2]
+        corners = self.scale_positions[self.base_triangles[:, :3], :2]
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 

@@ -15,6 +15,7 @@ from flexscale.mesh.periodic_mesh import (
     PeriodicMesh,
 )
 from flexscale.mesh.prisms import surface_of
+from flexscale.mesh.quadratic import elevate_scales
 from flexscale.mesh.tile import TileMesh, build_tile_mesh
 from flexscale.mesh.topology import TorusEdges, build_edges
 from flexscale.patterns import Isometry, Pattern
@@ -82,6 +83,8 @@ def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> Periodic
         scale_height=pattern.scale_height,
         **_place_scales(placed),
     )
+    if options.scale_order == 2:
+        mesh = elevate_scales(mesh)
     mesh.validate()
     return mesh
 

@@ -13,7 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from flexscale.errors import MeshError
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 
-_CELL_TYPES = {"triangle": (3, 5), "tetra": (4, 10)}  # corners, VTK's number
+_CELL_TYPES = {
+    "triangle": (3, 5),
+    "tetra": (4, 10),
+    "quadratic_tetra": (10, 24),
+}  # corners, VTK's number
 _VTK_NAMES = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 
 
@@ -30,7 +34,8 @@ def write_vtu(
     ----------
     path : file to write; it appears complete or not at all.
     points : (n_points, 2 or 3) mm; z = 0 is added to the plane.
-    cells : "triangle" -> (n, 3) and "tetra" -> (m, 4) points, in the order of `cell_data`.
+    cells : "triangle" -> (n, 3), "tetra" -> (m, 4), "quadratic_tetra" -> (m, 10) points, in the
+        order of `cell_data`.
     point_data, cell_data : name -> (n_points, …) and (n_cells, …) values.
 
     Raises
@@ -75,10 +80,11 @@ def write_mesh(path: str | os.PathLike[str], mesh: PeriodicMesh) -> None:
     images, number = np.unique(corners, axis=0, return_inverse=True)
     flat = mesh.positions[images[:, 0]] + images[:, 1:] @ mesh.lattice
     sheet = np.column_stack([flat, np.zeros(len(flat))])
+    solid = "quadratic_tetra" if mesh.tets.shape[1] == 10 else "tetra"
     write_vtu(
         path,
         np.concatenate([sheet, mesh.scale_positions]),
-        {"triangle": number.reshape(-1, 3), "tetra": len(sheet) + mesh.tets},
+        {"triangle": number.reshape(-1, 3), solid: len(sheet) + mesh.tets},
         point_data={
             "vertex_kind": np.concatenate(
                 [mesh.vertex_kind[images[:, 0]], np.full(mesh.n_scale_vertices, -1)]

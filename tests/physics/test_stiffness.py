@@ -15,7 +15,7 @@ OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
 
 
 def test_bare_sheet_is_an_isotropic_plate():
-    """C = D [1, nu; nu, 1], twist D (1 - nu)/2: exact, the field is quadratic and HCT holds cubics."""
+    """C = D [1, nu; nu, 1], twist D (1 - nu)/2: exact, since HCT holds quadratic fields."""
     problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), fs.TPU, 0.4, fs.PETG)
     nu = fs.TPU.poisson_ratio
     expected = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
@@ -28,7 +28,7 @@ def test_squares_along_a_side_are_hinges():
     assert stiffness == pytest.approx(24.8 * D, rel=0.02)
 
 
-# A mesh-converged trial of native-model.md, section 6: C1 and edge-angle elements bracket the value.
+# Mesh-converged, bracketed by C1 elements from above and edge-angle elements from below.
 REFERENCES = [(square, 45.0, 7.57e3), (hexagon, 20.0, 1.602e3)]
 
 
@@ -63,7 +63,7 @@ def test_squares_have_the_square_symmetry_at_rest():
     assert tangent.stiffness(directions) == pytest.approx(
         tangent.stiffness(90.0 - directions), rel=1e-9
     )
-    assert tangent.softest % 90.0 == pytest.approx(0.0, abs=0.1)
+    assert (tangent.softest + 45.0) % 90.0 == pytest.approx(45.0, abs=0.1)
     assert tangent.stiffest % 90.0 == pytest.approx(45.0, abs=0.1)
 
 

@@ -1,6 +1,6 @@
 """What must not matter: origin, choice of cell, orientation of the axes, number of copies.
 
-Moments of equivalent descriptions of one sheet agree to 1e-8 (native-model.md, section 6, item 6).
+Moments of equivalent descriptions of one sheet agree to 1e-8.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def oblique_moment() -> np.ndarray:
 
 def test_moving_the_pattern_in_the_plane(oblique_moment):
     """The cylinder's axis may lie anywhere above the sheet."""
-    moved = Pattern.from_polygons([OBLIQUE + [3.7, -2.2]], OBLIQUE[1], OBLIQUE[3])
+    moved = Pattern.from_polygons([OBLIQUE + np.array([3.7, -2.2])], OBLIQUE[1], OBLIQUE[3])
     assert moment(moved) == pytest.approx(oblique_moment, rel=1e-8)
 
 
@@ -57,7 +57,7 @@ def test_turning_pattern_and_direction_together(oblique_moment, degrees):
 def test_supercell(copies):
     """n x m copies in one cell add freedom, but before buckling nothing uses it."""
     n, m = copies
-    tiles = [SQUARE + [10.0 * i, 10.0 * j] for i in range(n) for j in range(m)]
+    tiles = [SQUARE + 10.0 * np.array([i, j]) for i in range(n) for j in range(m)]
     single = Pattern.from_polygons([SQUARE], (10.0, 0.0), (0.0, 10.0))
     super_cell = Pattern.from_polygons(tiles, (10.0 * n, 0.0), (0.0, 10.0 * m))
     assert moment(super_cell) == pytest.approx(moment(single), rel=1e-8)

@@ -125,7 +125,8 @@ def test_sheet_edges_on_an_outline_lie_within_one_base_edge(
     meshed: tuple[Pattern, PeriodicMesh],
 ) -> None:
     _, mesh = meshed
-    sides = np.stack([mesh.base_triangles, np.roll(mesh.base_triangles, -1, axis=1)], axis=-1)
+    base = mesh.base_triangles[:, :3]
+    sides = np.stack([base, np.roll(base, -1, axis=1)], axis=-1)
     sides = sides.reshape(-1, 2)
     _, where, counts = np.unique(
         np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True
@@ -147,7 +148,7 @@ def _distance_to_segments(point: np.ndarray, start: np.ndarray, end: np.ndarray)
 def test_default_square_cell_is_small() -> None:
     mesh = build_mesh(Pattern(Tiling("IH76")))
     assert 100 <= (mesh.triangle_scale < 0).sum() <= 200
-    assert mesh.n_scale_vertices < 300
+    assert mesh.n_scale_vertices < 800
 
 
 @pytest.mark.parametrize("digits", [3, 4, 5, 6, 7, 9])

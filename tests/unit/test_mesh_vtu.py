@@ -11,6 +11,7 @@ import pytest
 
 from flexscale.errors import MeshError
 from flexscale.mesh import build_mesh, write_mesh, write_vtu
+from flexscale.mesh.options import MeshOptions
 from tests.unit.pattern_shapes import SHAPES
 
 DTYPES = {"Float64": "<f8", "Int64": "<i8", "UInt8": "<u1"}
@@ -27,22 +28,23 @@ def read(path: Path) -> dict[str, np.ndarray]:
     return arrays
 
 
-def test_mesh_comes_back(tmp_path: Path) -> None:
-    mesh = build_mesh(SHAPES["herringbone"][0])
+@pytest.mark.parametrize(("order", "corners", "kind"), [(1, 4, 10), (2, 10, 24)])
+def test_mesh_comes_back(tmp_path: Path, order: int, corners: int, kind: int) -> None:
+    mesh = build_mesh(SHAPES["herringbone"][0], MeshOptions(scale_order=order))
     write_mesh(tmp_path / "cell.vtu", mesh)
     assert [file.name for file in tmp_path.iterdir()] == ["cell.vtu"]
     arrays = read(tmp_path / "cell.vtu")
     points = arrays["points"].reshape(-1, 3)
     n_sheet = 3 * mesh.n_triangles
     triangles = arrays["connectivity"][:n_sheet].reshape(-1, 3)
-    tets = arrays["connectivity"][n_sheet:].reshape(-1, 4)
+    tets = arrays["connectivity"][n_sheet:].reshape(-1, corners)
     assert np.allclose(points[triangles][..., :2], mesh.corner_positions())
     assert np.allclose(points[tets], mesh.scale_positions[mesh.tets])
     assert arrays["offsets"].tolist() == [
         *range(3, n_sheet + 1, 3),
-        *range(n_sheet + 4, n_sheet + 4 * mesh.n_tets + 1, 4),
+        *range(n_sheet + corners, n_sheet + corners * mesh.n_tets + 1, corners),
     ]
-    assert arrays["types"].tolist() == [5] * mesh.n_triangles + [10] * mesh.n_tets
+    assert arrays["types"].tolist() == [5] * mesh.n_triangles + [kind] * mesh.n_tets
     assert np.array_equal(arrays["scale"], np.concatenate([mesh.triangle_scale, mesh.tet_scale]))
 
 

@@ -25,6 +25,7 @@ from flexscale.embedding.world_map import WorldMap
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.bonds import build_bonds
 from flexscale.mesh.periodic_mesh import (
+    COVERED,
     FREE,
     GAP_EDGE,
     OUTLINE,
@@ -171,13 +172,17 @@ class CellEmbedding:
         self.rest = rest
 
     def _bond(self) -> None:
-        """Bond every carried vertex and outline edge to the scale's base."""
+        """Bond every carried vertex and outline edge to the scale's base.
+
+        Only the outline hands loads to the scale, so only there does the bond spread.
+        """
         mesh = self.mesh
         carried = np.flatnonzero(mesh.vertex_scale >= 0)
         outline = np.flatnonzero(mesh.edge_scale >= 0)
         points = np.concatenate([mesh.positions[carried], self.edge_middle[outline]])
         scales = np.concatenate([mesh.vertex_scale[carried], mesh.edge_scale[outline]])
-        self._bonds = build_bonds(mesh, points, scales)
+        loaded = np.concatenate([mesh.vertex_kind[carried] != COVERED, np.full(len(outline), True)])
+        self._bonds = build_bonds(mesh, points, scales, np.where(loaded, self.bond_radius, 0.0))
         self._vertex_bond = np.full(mesh.n_vertices, -1, dtype=np.int64)
         self._vertex_bond[carried] = np.arange(len(carried))
         self._edge_bond = np.full(mesh.n_edges, -1, dtype=np.int64)

@@ -151,6 +151,10 @@ class MeshBlock(Block):
     scale_layers: Count = declared(
         _default(MeshOptions, "scale_layers"), "layers of elements over a scale's height", ge=1
     )
+    scale_order: Count = declared(
+        _default(MeshOptions, "scale_order"),
+        "1 for linear scale elements, 2 for quadratic",
+    )
 
     def build(self) -> MeshOptions:
         """Mesh options; MeshError when they contradict each other."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 from pydantic import BeforeValidator, Field
 from pydantic.fields import FieldInfo
@@ -108,9 +109,9 @@ def declared(default: Any, meaning: str, **bounds: Any) -> Any:
 
 def unit_of(field: FieldInfo) -> str:
     """Unit a field was annotated with, that of its items for a series; "" for text."""
-    for marker in field.metadata:
-        function = getattr(marker, "func", None)
-        quantity = getattr(function, "__self__", None)
+    optional = (getattr(inner, "__metadata__", ()) for inner in get_args(field.annotation))
+    for marker in (*field.metadata, *itertools.chain.from_iterable(optional)):
+        quantity = getattr(getattr(marker, "func", None), "__self__", None)
         if isinstance(quantity, Quantity):
             return quantity.unit
     return ""

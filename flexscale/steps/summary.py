@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 
 from flexscale.datasets.store import Entry, Store
 from flexscale.status import SolveStatus
+from flexscale.steps.blocks import MATERIALS
 from flexscale.steps.quantities import unit_of
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def describe_fields(block: type[BaseModel], prefix: str = "") -> str:
         facts = [f"{_SIGNS[key]} {value:g}" for key, value in _bounds(field).items()]
         if field.is_required():
             facts.insert(0, "required")
-        elif inner is None:
+        elif inner is None or field.default in MATERIALS.values():
             facts.insert(0, _shown(field.default))
         text = f"{place:<47} {unit if unit != '1' else '':<7} {'  '.join(facts):<22}"
         lines.append(f"{text} {field.description}\n")
@@ -88,6 +89,9 @@ def _inner_block(annotation: Any) -> type[BaseModel] | None:
 
 
 def _shown(value: Any) -> str:
+    names = [name for name, material in MATERIALS.items() if material == value]
+    if names:
+        return names[0]
     if isinstance(value, tuple):
         few = ", ".join(_shown(item) for item in value[:3])
         return f"[{few}{', …' if len(value) > 3 else ''}]"

@@ -1,0 +1,171 @@
+"""The command line: exit codes, what goes to stdout and stderr, and a quick start."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from flexscale.cli import doctor, main
+from flexscale.steps.events import EventReader, EventWriter
+
+ROOT = Path(__file__).parents[2]
+
+
+def call(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    """Exit code of a command run in this process."""
+    monkeypatch.setattr(sys, "argv", ["flexscale", *map(str, arguments)])
+    with pytest.raises(SystemExit) as caught:
+        main.main()
+    return int(caught.value.code or 0)
+
+
+def test_help_is_instant() -> None:
+    command = [sys.executable, "-m", "flexscale.cli", "--help"]
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        times.append(time.perf_counter() - start)
+    assert "Exit codes" in done.stdout
+    # 0.3 s is the promise on a quiet machine; twice that on one that runs other tests.
+    assert min(times) < 0.6
+
+
+def test_unknown_command_is_bad_input(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "rum") == 2
+    assert capsys.readouterr().out == ""
+
+
+def test_bad_experiment_leaves_nothing_behind(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "bad.yaml"
+    file.write_text("patterns: {a: {family: IH76, gpa: 0.4}}")
+    results = tmp_path / "results"
+    assert call(monkeypatch, "run", file, "--results", results) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "Did you mean 'gap'" in said.err
+    assert not results.exists()
+
+
+def test_dry_run_says_what_there_is_to_do_and_does_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    results = tmp_path / "results"
+    file = ROOT / "workflows" / "quickstart.yaml"
+    assert call(monkeypatch, "run", file, "--dry-run", "--results", results) == 0
+    said = capsys.readouterr()
+    assert said.out.count("to do") == 16
+    assert "16 of 16 jobs to do, with 336 samples" in said.err
+    assert not results.exists()
+
+
+def test_run_without_a_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "run") == 2
+    assert "workflows/quickstart.yaml" in capsys.readouterr().err
+
+
+def test_fields_are_data(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "run", "--fields") == 0
+    assert "patterns.NAME.gap" in capsys.readouterr().out
+
+
+def test_tiling_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(monkeypatch, "tiling", "list", "--json") == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert {"family": "IH20", "name": "hexagon", "tiles": 1} in rows
+
+
+def test_data_commands_on_an_empty_folder(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert call(monkeypatch, "data", "list", "--json", "--results", tmp_path) == 0
+    assert json.loads(capsys.readouterr().out) == []
+    assert call(monkeypatch, "data", "check", "--results", tmp_path) == 0
+    assert call(monkeypatch, "data", "show", "sweep:123", "--results", tmp_path) == 4
+    assert "no dataset 'sweep:123'" in capsys.readouterr().err
+    assert call(monkeypatch, "data", "list", "gap", "--results", tmp_path) == 2
+    assert call(monkeypatch, "figures", "--results", tmp_path) == 4
+    assert "flexscale run workflows/quickstart.yaml" in capsys.readouterr().err
+
+
+def test_bug_is_reported_as_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken() -> list[object]:
+        raise ZeroDivisionError("inside")
+
+    monkeypatch.setattr(doctor, "_findings", broken)
+    assert call(monkeypatch, "doctor") == 1
+    said = capsys.readouterr().err
+    assert "ZeroDivisionError: inside" in said
+    assert "this is a bug" in said
+
+
+def test_doctor_names_the_package_of_a_missing_library(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "_loads", lambda name: name != "libGLU.so.1")
+    monkeypatch.setattr(doctor.platform, "system", lambda: "Linux")
+    assert call(monkeypatch, "doctor", "--json") == 4
+    findings = {item["subject"]: item for item in json.loads(capsys.readouterr().out)}
+    assert findings["system libraries"]["level"] == "missing"
+    assert findings["system libraries"]["fix"].endswith("--no-install-recommends libglu1-mesa")
+
+
+def test_doctor_fix_without_root_prints_the_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "_loads", lambda name: name != "libGL.so.1")
+    monkeypatch.setattr(doctor, "_may_install", lambda: False)
+    monkeypatch.setattr(doctor.platform, "system", lambda: "Linux")
+    assert call(monkeypatch, "doctor", "--fix", "--quiet") == 4
+    assert "apt-get install -y --no-install-recommends libgl1" in capsys.readouterr().out
+
+
+def test_doctor_fix_as_root_installs_and_looks_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    absent = {"libXft.so.2"}
+    ran = []
+
+    def install(command: str) -> None:
+        ran.append(command)
+        absent.clear()
+
+    monkeypatch.setattr(doctor, "_loads", lambda name: name not in absent)
+    monkeypatch.setattr(doctor, "_may_install", lambda: True)
+    monkeypatch.setattr(doctor, "_install", install)
+    monkeypatch.setattr(doctor.platform, "system", lambda: "Linux")
+    assert call(monkeypatch, "doctor", "--fix", "--json") in (0, 4)
+    findings = {item["subject"]: item for item in json.loads(capsys.readouterr().out)}
+    assert findings["system libraries"]["level"] == "ok"
+    assert len(ran) == 1
+    assert ran[0].endswith(" libxft2")
+
+
+def test_events_come_whole_and_once(tmp_path: Path) -> None:
+    path = tmp_path / "events.jsonl"
+    reader, writer = EventReader(path), EventWriter(path)
+    assert list(reader.read()) == []
+    writer.write("start", "cell-1")
+    writer.write("end", "cell-1", seconds=1.5)
+    with path.open("a") as file:
+        file.write('{"event": "sta')
+    assert [event["event"] for event in reader.read()] == ["start", "end"]
+    assert list(reader.read()) == []
+    with path.open("a") as file:
+        file.write('rt", "job": "x"}\n')
+    assert list(reader.read()) == [{"event": "start", "job": "x"}]

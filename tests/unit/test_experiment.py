@@ -1,0 +1,186 @@
+"""Experiment files: units, unknown keys, and everything refused before a solve."""
+
+from __future__ import annotations
+
+import copy
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flexscale.errors import BadInputError, ConfigError, PatternError, TilingError, UnitRangeError
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns.pattern import Pattern
+from flexscale.solve.newton import SolverOptions
+from flexscale.steps.blocks import MeshBlock, SolverBlock
+from flexscale.steps.experiment import Experiment, load_experiment, parse_experiment
+from flexscale.steps.plan import build_plan
+from flexscale.steps.summary import describe_fields
+
+QUICKSTART = Path(__file__).parents[2] / "workflows" / "quickstart.yaml"
+SMALL: dict[str, Any] = {
+    "patterns": {"tiles": {"family": "IH76"}},
+    "sweep": {"directions": [0, 45], "curvatures": [0, 0.001]},
+}
+
+
+def changed(**changes: Any) -> dict[str, Any]:
+    """SMALL with the pattern's keys changed."""
+    content = copy.deepcopy(SMALL)
+    content["patterns"]["tiles"].update(changes)
+    return content
+
+
+def message_of(content: Any) -> str:
+    """What the user reads about a bad experiment; it must be ready for exit code 2."""
+    with pytest.raises(BadInputError) as caught:
+        build_plan(parse_experiment(content, "file.yaml"))
+    assert caught.value.exit_code == 2
+    return str(caught.value)
+
+
+def test_quickstart_is_the_experiment_of_the_paper() -> None:
+    experiment = load_experiment(QUICKSTART)
+    assert experiment.sweep is not None
+    assert experiment.sweep.directions == tuple(15.0 * i for i in range(12))
+    assert experiment.sweep.curvatures[-1] == 0.008
+    patterns = experiment.build_patterns()
+    assert {name: p.family for name, p in patterns.items()} == {"square": "IH76", "hexagon": "IH20"}
+    assert patterns["square"].gap == 0.4
+
+
+@pytest.mark.parametrize(
+    ("given", "value"),
+    [(0.4, 0.4), ("0.4", 0.4), ("0.4 mm", 0.4), ("400 um", 0.4), ("0.04cm", 0.4), ("4e-4 m", 0.4)],
+)
+def test_values_may_carry_units(given: object, value: float) -> None:
+    experiment = parse_experiment(changed(gap=given), "file.yaml")
+    assert experiment.patterns["tiles"].gap == value
+
+
+def test_units_of_the_other_quantities() -> None:
+    content = changed(
+        tile_area="1 cm2", scale_material={"young_modulus": "2.02 GPa", "poisson_ratio": 0.35}
+    )
+    content["sweep"] = {"directions": ["0 rad", "90°"], "curvatures": [0, "2 1/m"]}
+    experiment = parse_experiment(content, "file.yaml")
+    assert experiment.sweep is not None
+    assert experiment.sweep.directions == (0.0, 90.0)
+    assert experiment.sweep.curvatures == (0.0, 0.002)
+    pattern = experiment.build_patterns()["tiles"]
+    assert (pattern.tile_area, pattern.scale_material.young_modulus) == (100.0, 2020.0)
+
+
+def test_ranges_leave_out_their_end() -> None:
+    content = copy.deepcopy(SMALL)
+    content["sweep"]["curvatures"] = {"start": 0, "stop": "0.002 mm-1", "step": 0.0005}
+    experiment = parse_experiment(content, "file.yaml")
+    assert experiment.sweep is not None
+    assert experiment.sweep.curvatures == (0.0, 0.0005, 0.001, 0.0015)
+
+
+def test_left_out_values_are_those_of_pattern() -> None:
+    pattern = parse_experiment(SMALL, "file.yaml").build_patterns()["tiles"]
+    assert pattern.with_(name="square") == Pattern(pattern.tiling)
+
+
+def test_resolved_experiment_reads_back_the_same() -> None:
+    experiment = load_experiment(QUICKSTART)
+    content = json.loads(experiment.model_dump_json(exclude_none=True))
+    assert parse_experiment(content, "copy") == experiment
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (changed(gpa=0.4), "patterns.tiles: there is no key 'gpa'. Did you mean 'gap'"),
+        (changed(gap=-1), "patterns.tiles.gap: Input should be greater than 0, not -1"),
+        (changed(gap="0.4 MPa"), "'0.4 MPa' is not a value in mm"),
+        (changed(gap=True), "True is not a value in mm"),
+        (changed(gap=float("nan")), "patterns.tiles.gap"),
+        (changed(scale_material="PLA"), "there is no material 'PLA'"),
+        (changed(scale_material={"young_modulus": 1, "poisson_ratio": 0.5}), "less than 0.5"),
+        (changed(tiles=[[[0, 0], [1, 0], [1, 1]]]), "tiles out of place"),
+        ({"patterns": {"a": {}}}, "lattice, tiles missing"),
+        ({"patterns": {}}, "at least one pattern"),
+        ({"patterns": {"a b": {"family": "IH76"}}}, "'a b' names files"),
+        (SMALL | {"swep": {}}, "Did you mean 'sweep'"),
+        (SMALL | {"figures": ["polr"]}, "figures.0"),
+        (SMALL | {"figures": ["tangent"]}, "needs the block `tangent`"),
+        (SMALL | {"sweep": {"directions": [0, 180], "curvatures": [0]}}, "[0, 180)"),
+        (SMALL | {"sweep": {"directions": [30, 0], "curvatures": [0]}}, "0 follows 30"),
+        (SMALL | {"sweep": {"directions": [0], "curvatures": [0.001]}}, "must be 0"),
+        (SMALL | {"sweep": {"directions": [0], "curvatures": {"stop": 1}}}, "exactly the keys"),
+        (SMALL | {"solver": {"constraint": "none"}}, "constraint method"),
+        ([1, 2], "holds no experiment"),
+    ],
+)
+def test_bad_content_is_refused_with_place_and_reason(content: Any, expected: str) -> None:
+    assert expected in message_of(content)
+
+
+def test_every_mistake_is_told_at_once() -> None:
+    lines = message_of(changed(gap=-1, scale_height=0)).splitlines()
+    assert [line.split(": ")[1] for line in lines] == [
+        "patterns.tiles.gap",
+        "patterns.tiles.scale_height",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "error"),
+    [
+        (changed(family="IH07"), TilingError),
+        (changed(family="hexagon"), TilingError),
+        (changed(gap=20), PatternError),
+        (SMALL | {"sweep": {"directions": [0], "curvatures": [0, 0.25]}}, UnitRangeError),
+        (SMALL | {"shapes": [{"curvature": 0.3}]}, UnitRangeError),
+    ],
+)
+def test_patterns_that_cannot_be_built_are_named(content: Any, error: type[Exception]) -> None:
+    with pytest.raises(error, match=r"patterns\.tiles: "):
+        build_plan(parse_experiment(content, "file.yaml"))
+
+
+def test_opening_does_not_fold() -> None:
+    sweep = {"sides": ["opening"], "directions": [0], "curvatures": [0, 0.3]}
+    assert parse_experiment(SMALL | {"sweep": sweep}, "file.yaml").build_patterns()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("patterns: {a: {family: IH76}, a: {family: IH20}}", "line 1: the key 'a' is given twice"),
+        ("patterns: [", "not readable YAML"),
+        ("", "holds no experiment"),
+    ],
+)
+def test_files_that_are_no_experiment(tmp_path: Path, text: str, expected: str) -> None:
+    path = tmp_path / "experiment.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_experiment(path)
+    assert str(path) in str(caught.value)
+    assert expected in str(caught.value)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_experiment(tmp_path / "nothing.yaml")
+
+
+def test_blocks_offer_every_option_of_their_class() -> None:
+    assert set(MeshBlock.model_fields) == {field.name for field in fields(MeshOptions)}
+    assert set(SolverBlock.model_fields) == set(SolverOptions().to_config())
+    assert MeshBlock().build() == MeshOptions()
+    assert SolverBlock().build() == SolverOptions()
+
+
+def test_field_list_tells_default_unit_and_bounds() -> None:
+    lines = {line.split()[0]: line for line in describe_fields(Experiment).splitlines()}
+    assert lines["patterns.NAME.gap"].split()[1:5] == ["mm", "0.4", ">", "0"]
+    assert "PETG" in lines["patterns.NAME.scale_material"]
+    assert "mm-1" in lines["sweep.curvatures"]
+    assert "mm2" in lines["patterns.NAME.tile_area"]

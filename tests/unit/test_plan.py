@@ -1,0 +1,79 @@
+"""Plans: which jobs an experiment becomes, and what makes two jobs the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flexscale.datasets.store import Store
+from flexscale.steps.experiment import parse_experiment
+from flexscale.steps.plan import Plan, build_plan
+
+CONTENT: dict[str, Any] = {
+    "patterns": {"square": {"family": "IH76"}, "hexagon": {"family": "IH20"}},
+    "tangent": {},
+    "sweep": {"directions": [0, 45], "curvatures": [0, 0.001, 0.002]},
+    "figures": ["polar", "tangent"],
+}
+
+
+def plan_of(content: dict[str, Any]) -> Plan:
+    return build_plan(parse_experiment(content, "file.yaml"))
+
+
+def ids_of(content: dict[str, Any]) -> set[str]:
+    return {job.id for job in plan_of(content)}
+
+
+def test_every_pattern_gets_every_job_after_its_inputs() -> None:
+    plan = plan_of(CONTENT)
+    kinds = [(job.pattern, job.step, job.title) for job in plan]
+    assert kinds[:5] == [
+        ("square", "cell", "cell"),
+        ("square", "tangent", "tangent"),
+        ("square", "sweep", "sweep"),
+        ("square", "figure", "polar"),
+        ("square", "figure", "tangent"),
+    ]
+    assert len(kinds) == 10
+    seen: set[str] = set()
+    for job in plan:
+        assert set(job.inputs) <= seen
+        seen.add(job.id)
+
+
+def test_sweep_counts_its_samples() -> None:
+    assert [job.size for job in plan_of(CONTENT) if job.step == "sweep"] == [12, 12]
+
+
+def test_the_same_experiment_has_the_same_jobs() -> None:
+    assert ids_of(CONTENT) == ids_of(CONTENT)
+
+
+def test_a_changed_gap_changes_all_jobs_of_its_pattern_only() -> None:
+    patterns = {"square": {"family": "IH76", "gap": 0.5}, "hexagon": {"family": "IH20"}}
+    shared = ids_of(CONTENT) & ids_of(CONTENT | {"patterns": patterns})
+    assert {job_id.split("-")[-2] for job_id in shared} == {"hexagon"}
+    assert len(shared) == 5
+
+
+def test_a_changed_curvature_changes_the_sweep_and_its_figure_only() -> None:
+    sweep = {"directions": [0, 45], "curvatures": [0, 0.001]}
+    gone = ids_of(CONTENT) - ids_of(CONTENT | {"sweep": sweep})
+    assert {job_id.rsplit("-", 2)[0] for job_id in gone} == {"sweep", "figure-polar"}
+
+
+def test_writing_a_unit_changes_nothing() -> None:
+    patterns = {"square": {"family": "IH76", "gap": "0.04 cm"}, "hexagon": {"family": "IH20"}}
+    assert ids_of(CONTENT | {"patterns": patterns}) == ids_of(CONTENT)
+
+
+def test_needed_for_holds_ancestors_only() -> None:
+    plan = plan_of(CONTENT)
+    figure = next(job for job in plan if job.title == "polar")
+    needed = [job.step for job in plan.needed_for(figure)]
+    assert needed == ["cell", "sweep"]
+
+
+def test_nothing_is_stored_in_an_empty_folder(tmp_path: Any) -> None:
+    assert plan_of(CONTENT).stored(Store(tmp_path)) == {}
+    assert list(tmp_path.iterdir()) == []

@@ -223,7 +223,7 @@ CELL = Schema(
         _mesh("scale_positions", "scale_vertex space", "float64", "rest positions", "mm"),
         _mesh("tets", "tet tet_corner", "int32", "tetrahedra of the scales"),
         _mesh("tet_scale", "tet", "int32", "scale of the tetrahedron"),
-        _mesh("base_triangles", "base_triangle corner", "int32", "scale bases, ccw from +z"),
+        _mesh("base_triangles", "base_triangle base_corner", "int32", "scale bases, ccw from +z"),
         _mesh("base_scale", "base_triangle", "int32", "scale of the base triangle"),
         _mesh("surface_triangles", "surface_triangle corner", "int32", "scale surfaces, outward"),
         _mesh("surface_scale", "surface_triangle", "int32", "scale of the surface triangle"),

@@ -98,6 +98,9 @@ class PatternBlock(Block):
     substrate_thickness: Length = declared(
         _default(Pattern, "substrate_thickness"), "substrate thickness", gt=0.0
     )
+    bond_radius: Length | None = declared(
+        None, "how far a scale's outline grips the sheet, substrate_thickness if left out", ge=0.0
+    )
     scale_material: Material = declared(
         _default(Pattern, "scale_material"), "material of the scales, or PETG or TPU"
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import json
 from dataclasses import fields
 from pathlib import Path
@@ -14,7 +15,7 @@ from flexscale.errors import BadInputError, ConfigError, PatternError, TilingErr
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
-from flexscale.steps.blocks import MeshBlock, SolverBlock
+from flexscale.steps.blocks import MeshBlock, PatternBlock, SolverBlock
 from flexscale.steps.experiment import Experiment, load_experiment, parse_experiment
 from flexscale.steps.plan import build_plan
 from flexscale.steps.summary import describe_fields
@@ -173,6 +174,8 @@ def test_missing_file(tmp_path: Path) -> None:
 
 def test_blocks_offer_every_option_of_their_class() -> None:
     assert set(MeshBlock.model_fields) == {field.name for field in fields(MeshOptions)}
+    pattern = set(inspect.signature(Pattern).parameters) - {"tiling", "name"}
+    assert set(PatternBlock.model_fields) == pattern | {"family", "parameters", "tiles", "lattice"}
     assert set(SolverBlock.model_fields) == set(SolverOptions().to_config())
     assert MeshBlock().build() == MeshOptions()
     assert SolverBlock().build() == SolverOptions()

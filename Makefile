@@ -27,7 +27,7 @@ quickstart: setup
 	@$(BIN)/flexscale run workflows/quickstart.yaml --cores $(CORES)
 
 test: setup
-	@$(BIN)/python -m pytest -q -n $(CORES)
+	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadgroup
 
 test-slow: setup
 	@$(BIN)/python -m pytest -q -m slow

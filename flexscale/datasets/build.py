@@ -46,8 +46,8 @@ def build_sweep_dataset(
     curvatures : (n_curvatures,) mm-1, non-negative; sorted here, with the arrays.
     arrays : values by the names of the schema, (n_sides, n_directions, n_curvatures), `stretch`
         with 3 components (xx, yy, xy) behind, `symmetry_source` (n_sides, n_directions) degree.
-        Without contact leave out `energy_density_contact`, `contact_pairs` and `min_gap`; they
-        become 0, 0 and nan. Without `symmetry_source` every direction was computed itself.
+        Without contact leave out `energy_density_contact`, `contact_pairs`, `contact_force` and
+        `min_gap`; they become 0, 0, 0 and nan. Without `symmetry_source` every direction was computed itself.
         Real values are set to nan wherever `status` is not 0.
     scalars : "family", "pattern" and what is known of `schema.SCALARS`.
     config : resolved configuration, JSON-able, enough to compute the sweep again.
@@ -65,6 +65,7 @@ def build_sweep_dataset(
     no_contact = "min_gap" not in values
     values.setdefault("energy_density_contact", np.zeros(shape))
     values.setdefault("contact_pairs", np.zeros(shape, dtype=np.int32))
+    values.setdefault("contact_force", np.zeros(shape))
     values.setdefault("min_gap", np.full(shape, np.nan))
     values.setdefault("symmetry_source", np.broadcast_to(angles, shape[:2]))
     values.update(

@@ -148,6 +148,7 @@ SWEEP = Schema(
         ),
         _sampled("min_gap", "mm", "smallest distance between scales"),
         _counted("contact_pairs", "active contact pairs"),
+        _sampled("contact_force", "N", "sum of the contact forces on the scales of a cell"),
         _counted("newton_iterations", "Newton iterations"),
         _counted("alm_iterations", "augmented Lagrangian iterations", optional=True),
         _counted("negative_eigenvalues", "negative eigenvalues of the constrained Hessian"),

@@ -20,8 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexscale.embedding.contact_surface import find_surface, surface_rest
 from flexscale.embedding.curvature_map import GRADIENT, POSITION, ImageVectors
 from flexscale.embedding.world_map import WorldMap
+from flexscale.mechanics.contact import ContactSurface
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.bonds import build_bonds
 from flexscale.mesh.periodic_mesh import (
@@ -116,6 +118,7 @@ class CellEmbedding:
     shift_mode : (n_unknowns,) the uniform unit shift of w3.
     tet_vectors : (n_tets, 4) rows of y with the scales' vertices.
     shell : rows and geometry of the gap triangles.
+    contact_surface : rows and triangles of the scales' surfaces; None without scales.
     """
 
     def __init__(self, mesh: PeriodicMesh, bond_radius: float = 0.0) -> None:
@@ -126,6 +129,7 @@ class CellEmbedding:
         rows = _Rows()
         self.tet_vectors = self._add_scales(rows)
         self.shell = self._add_shell(rows)
+        self.contact_surface = self._add_contact(rows) if mesh.n_scales else None
         self.world_map = rows.world_map(self.n_unknowns)
         pinned = 0 if mesh.n_scales else int(self.vertex_node[0])
         self.active = np.setdiff1d(np.arange(self.n_unknowns), [pinned, pinned + 1])
@@ -202,6 +206,18 @@ class CellEmbedding:
             image = rows.image(POSITION, 3 * vertex, home, home)
             rows.add(("scale", vertex), [image], _FREE_ROW)
         return self.mesh.tets.copy()
+
+    def _add_contact(self, rows: _Rows) -> ContactSurface:
+        surface = find_surface(self.mesh)
+        places = np.empty(len(surface.vertices), dtype=np.int64)
+        for k, (vertex, offset) in enumerate(zip(surface.vertices, surface.offsets, strict=True)):
+            if not offset.any():
+                places[k] = rows.row_of["scale", int(vertex)]
+                continue
+            image = rows.image(POSITION, 3 * int(vertex), offset @ self.mesh.lattice, np.zeros(2))
+            places[k] = rows.add(("scale", int(vertex), *offset.tolist()), [image], _FREE_ROW)
+        rest = surface_rest(self.mesh, surface)
+        return ContactSurface(places, rest, surface.triangles, surface.bodies, surface.n_home)
 
     def _add_shell(self, rows: _Rows) -> ShellRows:
         mesh = self.mesh

@@ -14,7 +14,16 @@ import scipy.sparse as sp
 from numba import njit
 
 from flexscale.embedding.world_map import SecondOrder, World, WorldMap
-from flexscale.mechanics.energy import Energy, FloatArray, IntArray, block_pairs, project_blocks
+from flexscale.mechanics.energy import (
+    ALL,
+    NOTHING,
+    Energy,
+    FloatArray,
+    IntArray,
+    PairEnergy,
+    block_pairs,
+    project_blocks,
+)
 
 
 class PullBack:
@@ -24,6 +33,7 @@ class PullBack:
     ----------
     world_map : the map z -> y.
     energies : energies over the rows of y; their elements fix the pattern of nonzeros.
+    contact : contact energy, whose pairs of rows change; None without.
     active : (n_active,) indices into z that are unknowns of the linear systems.
 
     Attributes
@@ -32,28 +42,54 @@ class PullBack:
         included.
     """
 
-    def __init__(self, world_map: WorldMap, energies: Sequence[Energy], active: IntArray) -> None:
+    def __init__(
+        self,
+        world_map: WorldMap,
+        energies: Sequence[Energy],
+        active: IntArray,
+        contact: PairEnergy | None = None,
+        contact_pairs: IntArray | None = None,
+    ) -> None:
         self.world_map = world_map
         self.energies = tuple(energies)
-        self._number_pairs()
-        position = np.full(world_map.n_unknowns, -1, dtype=np.int64)
-        position[active] = np.arange(len(active))
+        self.contact = contact
+        self._position = np.full(world_map.n_unknowns, -1, dtype=np.int64)
+        self._position[active] = np.arange(len(active))
         self.n_active = len(active)
-        self.indptr, self.indices = self._pattern(position)
-        self.diagonal = self.indptr[:-1].astype(np.int64)
-        self._slots(position)
+        none = np.zeros((0, 2), dtype=np.int64)
+        self._build(none if contact_pairs is None else contact_pairs)
 
-    def _number_pairs(self) -> None:
+    def _build(self, contact_pairs: IntArray) -> None:
+        self._number_pairs(contact_pairs)
+        self.indptr, self.indices = self._pattern(self._position)
+        self.diagonal = self.indptr[:-1].astype(np.int64)
+        self._slots(self._position)
+
+    def cover(self, y: FloatArray) -> bool:
+        """Make room for the contact pairs at a state; True if the pattern grew."""
+        if self.contact is None:
+            return False
+        pairs, _ = self.contact.pair_blocks(y)
+        if not len(pairs) or np.isin(self._keys_of(pairs), self._keys).all():
+            return False
+        self._build(np.concatenate([self.pairs, pairs]))
+        return True
+
+    def _keys_of(self, pairs: IntArray) -> IntArray:
+        return np.asarray(pairs[:, 0] * self.world_map.n_rows + pairs[:, 1])
+
+    def _number_pairs(self, contact_pairs: IntArray) -> None:
         n = self.world_map.n_rows
-        keys = []
+        keys = [self._keys_of(contact_pairs)]
         for energy in self.energies:
             i, j = block_pairs(energy.vectors.shape[1])
             first, second = energy.vectors[:, i], energy.vectors[:, j]
             keys.append(np.minimum(first, second) * n + np.maximum(first, second))
         unique = np.unique(np.concatenate([k.ravel() for k in keys]))
+        self._keys = unique
         self.pairs = np.stack([unique // n, unique % n], axis=1)
         self._element_pairs, self._element_flips = [], []
-        for energy, key in zip(self.energies, keys, strict=True):
+        for energy, key in zip(self.energies, keys[1:], strict=True):
             i, j = block_pairs(energy.vectors.shape[1])
             self._element_pairs.append(np.searchsorted(unique, key))
             self._element_flips.append(energy.vectors[:, i] > energy.vectors[:, j])
@@ -96,16 +132,19 @@ class PullBack:
         self._slide_slots = np.full((len(columns), 2), len(self.indices), dtype=np.int32)
         _find_slide_slots(slide_columns, m.indptr, columns, *csr, self._slide_slots)
 
-    def pair_blocks(self, y: FloatArray, project: bool = False) -> FloatArray:
-        """(n_pairs, 3, 3) blocks of d2E/dy2, optionally from projected element Hessians."""
+    def pair_blocks(self, y: FloatArray, project: str = NOTHING) -> FloatArray:
+        """(n_pairs, 3, 3) blocks of d2E/dy2, optionally of a positive part of contact or of all."""
         out = np.zeros((len(self.pairs), 3, 3))
         for energy, pairs, flips in zip(
             self.energies, self._element_pairs, self._element_flips, strict=True
         ):
             blocks = energy.hessian_blocks(y)
-            if project:
+            if project == ALL:
                 blocks = project_blocks(blocks, energy.vectors.shape[1])
             _gather(blocks, pairs, flips, out)
+        if self.contact is not None:
+            contact_pairs, blocks = self.contact.pair_blocks(y, project != NOTHING)
+            np.add.at(out, np.searchsorted(self._keys, self._keys_of(contact_pairs)), blocks)
         return out
 
     def multiply(self, blocks: FloatArray, rates: FloatArray) -> FloatArray:

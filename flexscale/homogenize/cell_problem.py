@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
-from flexscale.mechanics.energy import Energy, FloatArray
+from flexscale.mechanics.contact import ContactOptions, ScaleContact, barrier_stiffness
+from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mechanics.shell import HctShell
 from flexscale.mesh.options import MeshOptions
@@ -24,6 +25,45 @@ from flexscale.solve.linear import build_factorization
 def plate_stiffness(material: NeoHookean, thickness: float) -> float:
     """D = E t^3 / 12 (1 - nu^2) [N mm]."""
     return material.young_modulus * thickness**3 / (12.0 * (1.0 - material.poisson_ratio**2))
+
+
+#: Pairs of vertices get room in the Hessian if primitives of theirs are within so many gaps at
+# rest.
+_PAIR_REACH = 2.5
+
+
+def _build_energies(embedding: CellEmbedding, model: CellModel) -> list[Energy]:
+    shell, mesh = embedding.shell, embedding.mesh
+    sheet, scale = model.substrate_material, model.scale_material
+    substrate = HctShell(
+        shell.corners,
+        shell.edge_normals,
+        shell.vectors,
+        shear_modulus=sheet.shear_modulus,
+        lame_lambda=sheet.lame_lambda,
+        poisson_ratio=sheet.poisson_ratio,
+        thickness=model.substrate_thickness,
+        bending_stiffness=plate_stiffness(sheet, model.substrate_thickness),
+    )
+    scales = NeoHookeanTets(
+        mesh.scale_positions,
+        mesh.tets,
+        embedding.tet_vectors,
+        scale.shear_modulus,
+        scale.lame_lambda,
+    )
+    return [substrate, scales]
+
+
+def _build_contact(embedding: CellEmbedding, model: CellModel) -> ScaleContact | None:
+    if embedding.contact_surface is None or not model.contact.enabled:
+        return None
+    # The force that stretches a strip of sheet as wide as the gap to twice its length.
+    modulus = model.substrate_material.young_modulus
+    force = modulus * model.substrate_thickness * model.gap
+    distance = model.contact.activation * model.gap
+    stiffness = model.contact.stiffness * barrier_stiffness(force, distance)
+    return ScaleContact(embedding.contact_surface, distance, stiffness)
 
 
 @dataclass(frozen=True)
@@ -46,87 +86,111 @@ class CellState:
     gradient: FloatArray
 
 
+@dataclass(frozen=True)
+class CellModel:
+    """What a cell is made of, and how it is solved; with a mesh it makes a `CellProblem`.
+
+    Attributes
+    ----------
+    substrate_material, scale_material : Neo-Hookean solids.
+    substrate_thickness : mm.
+    gap : mm, between scales at rest; sets the length scale of contact.
+    bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
+    contact : how scales touch.
+    linear_solver : "auto", "pardiso" or "superlu".
+    """
+
+    substrate_material: NeoHookean
+    scale_material: NeoHookean
+    substrate_thickness: float
+    gap: float
+    bond_radius: float = 0.0
+    contact: ContactOptions = field(default_factory=ContactOptions)
+    linear_solver: str = "auto"
+
+    @classmethod
+    def of_pattern(
+        cls,
+        pattern: Pattern,
+        contact: ContactOptions | None = None,
+        linear_solver: str = "auto",
+    ) -> CellModel:
+        """Materials and sizes of a pattern."""
+        return cls(
+            pattern.substrate_material,
+            pattern.scale_material,
+            pattern.substrate_thickness,
+            pattern.gap,
+            pattern.bond_radius,
+            contact or ContactOptions(),
+            linear_solver,
+        )
+
+
 class CellProblem:
     """Substrate and scales of one translational cell, ready to be bent.
 
     Parameters
     ----------
     mesh : torus mesh.
-    substrate_material, substrate_thickness : of the sheet, thickness in mm.
-    scale_material : of the scales.
-    linear_solver : "auto", "pardiso" or "superlu".
-    bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
+    model : materials, sizes, contact, linear solver.
 
     Attributes
     ----------
     embedding : unknowns and world vectors; `embedding.rest` is the flat state.
-    energies : substrate, then scales (contact joins here).
+    energies : substrate, then scales.
+    contact : barrier between scales; None without scales or if switched off.
     part_names : names of the energy parts.
     area : rest area of the cell, mm2.
+    system : factorizes on the present pattern of nonzeros, which contact may enlarge.
     """
 
-    def __init__(
-        self,
-        mesh: PeriodicMesh,
-        substrate_material: NeoHookean,
-        substrate_thickness: float,
-        scale_material: NeoHookean,
-        linear_solver: str = "auto",
-        bond_radius: float = 0.0,
-    ) -> None:
-        self.mesh = mesh
+    def __init__(self, mesh: PeriodicMesh, model: CellModel) -> None:
+        self.mesh, self.model = mesh, model
         self.area = mesh.cell_area
-        self.embedding = CellEmbedding(mesh, bond_radius)
-        shell = self.embedding.shell
-        self.energies: list[Energy] = [
-            HctShell(
-                shell.corners,
-                shell.edge_normals,
-                shell.vectors,
-                shear_modulus=substrate_material.shear_modulus,
-                lame_lambda=substrate_material.lame_lambda,
-                poisson_ratio=substrate_material.poisson_ratio,
-                thickness=substrate_thickness,
-                bending_stiffness=plate_stiffness(substrate_material, substrate_thickness),
-            ),
-            NeoHookeanTets(
-                mesh.scale_positions,
-                mesh.tets,
-                self.embedding.tet_vectors,
-                scale_material.shear_modulus,
-                scale_material.lame_lambda,
-            ),
-        ]
+        self.embedding = CellEmbedding(mesh, model.bond_radius)
+        self.energies = _build_energies(self.embedding, model)
+        self.contact = _build_contact(self.embedding, model)
         self.part_names = tuple(name for e in self.energies for name in e.part_names)
+        if self.contact is not None:
+            self.part_names += self.contact.part_names
         self.active = self.embedding.active
-        self.pull_back = PullBack(self.embedding.world_map, self.energies, self.active)
-        factorization = build_factorization(
-            self.pull_back.indptr, self.pull_back.indices, linear_solver
+        self.pull_back = PullBack(
+            self.embedding.world_map,
+            self.energies,
+            self.active,
+            self.contact,
+            None if self.contact is None else self.contact.possible_pairs(_PAIR_REACH * model.gap),
         )
-        position = int(np.searchsorted(self.active, self.embedding.shift_unknown))
+        self.build_system()
+        self.shift_mode = self.embedding.shift_mode[self.active]
+        # Energies below this are rounding: strains of 1e-12 all over the sheet.
+        volume = self.area * model.substrate_thickness
+        self.energy_floor = 1e-24 * model.substrate_material.young_modulus * volume
+
+    @classmethod
+    def from_pattern(
+        cls,
+        pattern: Pattern,
+        options: MeshOptions | None = None,
+        *,
+        contact: ContactOptions | None = None,
+        linear_solver: str = "auto",
+    ) -> CellProblem:
+        """Mesh a pattern and set up its native model."""
+        mesh = build_mesh(pattern, options or MeshOptions())
+        return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver))
+
+    def build_system(self) -> None:
+        """Analyze the present pattern of nonzeros."""
+        factorization = build_factorization(
+            self.pull_back.indptr, self.pull_back.indices, self.model.linear_solver
+        )
         self.system = ConstrainedSystem(
             factorization,
             self.pull_back.diagonal,
             self.embedding.mean_offset[self.active],
-            position,
-        )
-        self.shift_mode = self.embedding.shift_mode[self.active]
-        # Energies below this are rounding: strains of 1e-12 all over the sheet.
-        volume = self.area * substrate_thickness
-        self.energy_floor = 1e-24 * substrate_material.young_modulus * volume
-
-    @classmethod
-    def from_pattern(
-        cls, pattern: Pattern, options: MeshOptions | None = None, linear_solver: str = "auto"
-    ) -> CellProblem:
-        """Mesh a pattern and set up its native model."""
-        return cls(
-            build_mesh(pattern, options or MeshOptions()),
-            pattern.substrate_material,
-            pattern.substrate_thickness,
-            pattern.scale_material,
-            linear_solver,
-            pattern.bond_radius,
+            int(np.searchsorted(self.active, self.embedding.shift_unknown)),
         )
 
     def bent(self, bend: Bend) -> BentCell:
@@ -140,31 +204,40 @@ class BentCell:
     def __init__(self, problem: CellProblem, bend: Bend) -> None:
         self.problem = problem
         self.bend = bend
-        self.system = problem.system
         self.active = problem.active
         self.shift_mode = problem.shift_mode
         self.energy_floor = problem.energy_floor
+
+    @property
+    def system(self) -> ConstrainedSystem:
+        """Linear systems on the present pattern."""
+        return self.problem.system
 
     def evaluate(self, z: FloatArray) -> CellState:
         """Energy and gradient at z; energy is infinite where an element is inverted."""
         problem = self.problem
         world_map = problem.embedding.world_map
         world = world_map.place(z, self.bend)
-        parts = np.concatenate([e.energy_parts(world.y) for e in problem.energies])
+        energies: list[Energy | ScaleContact] = [*problem.energies]
+        if problem.contact is not None:
+            energies.append(problem.contact)
+        parts = np.concatenate([e.energy_parts(world.y) for e in energies])
         forces = np.zeros_like(world.y)
         gradient = np.zeros(len(self.active))
         energy = float(parts.sum())
         if np.isfinite(energy):
-            for e in problem.energies:
+            for e in energies:
                 e.add_gradient(world.y, forces)
             gradient = world_map.pull_gradient(world, forces)[self.active]
         return CellState(z, world, parts, energy, forces, gradient)
 
-    def hessian_values(self, state: CellState, project: bool = False) -> FloatArray:
-        """(nnz,) upper triangle of d2E/dz2; with `project`, of a positive part of it."""
+    def hessian_values(self, state: CellState, project: str = NOTHING) -> FloatArray:
+        """(nnz,) upper triangle of d2E/dz2; `project` replaces parts by their positive part."""
+        if self.problem.pull_back.cover(state.world.y):
+            self.problem.build_system()
         blocks = self.problem.pull_back.pair_blocks(state.world.y, project)
         second = self._second_order(state)
-        if project:
+        if project == ALL:
             second = SecondOrder(_positive_part(second.hessian), second.mixed)
         return self.problem.pull_back.hessian(state.world, blocks, state.forces, second)
 
@@ -178,6 +251,11 @@ class BentCell:
         blocks = pull_back.pair_blocks(state.world.y)
         rate = pull_back.kappa_rate(state.world, blocks, state.forces, self._second_order(state))
         return rate[self.active]
+
+    def free_share(self, state: CellState, trial: CellState) -> float:
+        """Share of the straight way from one state to another on which no scales meet."""
+        contact = self.problem.contact
+        return 1.0 if contact is None else contact.free_share(state.world.y, trial.world.y)
 
     def moment(self, state: CellState) -> float:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""

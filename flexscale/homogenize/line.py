@@ -118,10 +118,11 @@ def _advance(
     while True:
         share = min(share, 1.0 - done)
         target = curvature if done + share >= 1.0 else start + (done + share) * span
-        predicted = point.z + (target - point.curvature) * point.rate
-        solution = _solve(problem, line, target, predicted, options)
-        iterations += solution.iterations
-        if solution.status == SolveStatus.converged:
+        predicted = _predict(problem, line, point, target)
+        if predicted is not None:
+            solution = _solve(problem, line, target, predicted, options)
+            iterations += solution.iterations
+        if predicted is not None and solution.status == SolveStatus.converged:
             point = _Point(target, solution.z, _rate(problem, line, target, solution))
             done += share
             share *= 2.0
@@ -131,6 +132,20 @@ def _advance(
             share *= 0.5
             if share < _SMALLEST_STEP:
                 return point, solution, iterations
+
+
+def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:
+    """Start at `target`: along dz/dkappa as far as no scales meet on the straight way there."""
+    step = (target - point.curvature) * point.rate
+    if problem.contact is None:
+        return point.z + step
+    place = problem.embedding.world_map.place
+    start = place(point.z, line.bend(point.curvature)).y
+    for share in (1.0, 0.75, 0.5, 0.25, 0.0):
+        z = point.z + share * step
+        if problem.contact.free_share(start, place(z, line.bend(target)).y) >= 1.0:
+            return z
+    return None
 
 
 def _measure(
@@ -148,6 +163,11 @@ def _measure(
         "mean_offset": float(problem.embedding.mean_offset @ solution.z),
         "negative_eigenvalues": solution.negative_eigenvalues,
     }
+    if problem.contact is not None:
+        y = state.world.y
+        numbers["min_gap"] = problem.contact.smallest_distance(y, 2.0 * problem.model.gap)
+        numbers["contact_pairs"] = problem.contact.active_pairs(y)
+        numbers["contact_force"] = problem.contact.force(y)
     for name, part in zip(problem.part_names, state.parts, strict=True):
         numbers[f"energy_density_{name}"] = float(part) / problem.area
     return numbers

@@ -13,6 +13,7 @@ from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.sweep import check_sweep
+from flexscale.mechanics.contact import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
@@ -27,6 +28,7 @@ def solve_shapes(
     *,
     mesh: MeshOptions | None = None,
     solver: SolverOptions | None = None,
+    contact: ContactOptions | None = None,
 ) -> xr.Dataset:
     """Displacements of scales and substrate under some bends.
 
@@ -34,7 +36,7 @@ def solve_shapes(
     ----------
     pattern : the scale pattern.
     bends : (side, direction [degree], curvature [mm-1, > 0]) of each sample.
-    mesh, solver : element sizes and solver options; the defaults if not given.
+    mesh, solver, contact : element sizes, solver and contact options; the defaults if not given.
 
     Returns
     -------
@@ -43,7 +45,10 @@ def solve_shapes(
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     for side, direction, curvature in bends:
         check_sweep(pattern, [direction], [curvature], [side])
-    problem = CellProblem.from_pattern(pattern, mesh, solver.linear_solver)
+    contact = contact or ContactOptions()
+    problem = CellProblem.from_pattern(
+        pattern, mesh, contact=contact, linear_solver=solver.linear_solver
+    )
     display, triangles = problem.embedding.display_map()
     rest = display.place(problem.embedding.rest, Bend(0.0, 0.0)).y
     displacement = np.full((len(bends), *rest.shape), np.nan)
@@ -75,6 +80,7 @@ def solve_shapes(
         "pattern": pattern.to_config(),
         "mesh": mesh.to_config(),
         "solver": solver.to_config(),
+        "contact": contact.to_config(),
         "bends": [list(bend) for bend in bends],
     }
     return build_dataset("shape", arrays, scalars=pattern_scalars(pattern, mesh), config=config)

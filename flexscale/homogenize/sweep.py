@@ -13,12 +13,14 @@ import numpy as np
 
 from flexscale.datasets.build import build_sweep_dataset
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
+from flexscale.mechanics.contact import ContactOptions
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
@@ -71,6 +73,7 @@ def sweep(
     *,
     mesh: MeshOptions | None = None,
     solver: SolverOptions | None = None,
+    contact: ContactOptions | None = None,
     workers: int | None = None,
     checkpoint: Checkpoint | None = None,
     on_sample: Callable[[SampleEvent], None] | None = None,
@@ -83,7 +86,7 @@ def sweep(
     directions : degree in [0, 180), measured from the x axis of the pattern's coordinates.
     curvatures : mm-1, non-negative and increasing.
     sides : of "closing", "opening".
-    mesh, solver : element sizes and solver options; the defaults if not given.
+    mesh, solver, contact : element sizes, solver and contact options; the defaults if not given.
     workers : processes, each with one thread; as many as there are cores if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted sweep.
     on_sample : called in this process as samples (with several workers: lines) finish.
@@ -101,15 +104,25 @@ def sweep(
     check_sweep(pattern, directions, curvatures, sides)
     kappa = tuple(float(k) for k in curvatures)
     lines = [Line(side, float(direction), kappa) for side in sides for direction in directions]
-    problem = CellProblem.from_pattern(pattern, mesh, solver.linear_solver)
+    contact = contact or ContactOptions()
+    problem = CellProblem.from_pattern(
+        pattern, mesh, contact=contact, linear_solver=solver.linear_solver
+    )
     workers = min(workers or os.cpu_count() or 1, len(lines))
     if workers > 1:
         solve_tangent(problem)  # compiles and caches the kernels once, before processes start
-        results = _in_processes(problem, pattern, lines, solver, checkpoint, workers)
+        results = _in_processes(problem, lines, solver, checkpoint, workers)
     else:
         results = _in_turn(problem, lines, solver, checkpoint)
     samples = _collect(results, lines, on_sample)
-    return _build_dataset(pattern, mesh, solver, samples, (sides, directions, kappa))
+    options = {
+        "mesh": mesh.to_config(),
+        "solver": solver.to_config(),
+        "contact": contact.to_config(),
+    }
+    return _build_dataset(
+        pattern, pattern_scalars(pattern, mesh), options, samples, (sides, directions, kappa)
+    )
 
 
 def check_sweep(
@@ -178,9 +191,9 @@ def _in_turn(
 _worker_problem: CellProblem | None = None
 
 
-def _start_worker(*arguments: Any) -> None:
+def _start_worker(mesh: PeriodicMesh, model: CellModel) -> None:
     global _worker_problem
-    _worker_problem = CellProblem(*arguments)
+    _worker_problem = CellProblem(mesh, model)
 
 
 def _work_line(
@@ -193,7 +206,6 @@ def _work_line(
 
 def _in_processes(
     problem: CellProblem,
-    pattern: Pattern,
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None,
@@ -201,14 +213,7 @@ def _in_processes(
 ) -> Iterator[tuple[Line, dict[str, Any]]]:
     from loky import ProcessPoolExecutor  # needs no __main__ guard in the user's script
 
-    arguments = (
-        problem.mesh,
-        pattern.substrate_material,
-        pattern.substrate_thickness,
-        pattern.scale_material,
-        solver.linear_solver,
-        pattern.bond_radius,
-    )
+    arguments = (problem.mesh, problem.model)
     pool = ProcessPoolExecutor(
         workers, initializer=_start_worker, initargs=arguments, env=SINGLE_THREAD
     )
@@ -253,8 +258,8 @@ def _collect(
 
 def _build_dataset(
     pattern: Pattern,
-    mesh: MeshOptions,
-    solver: SolverOptions,
+    scalars: dict[str, float | str],
+    options: dict[str, Any],
     samples: dict[tuple[str, float], list[dict[str, Any]]],
     axes: tuple[Sequence[str], Sequence[float], Sequence[float]],
 ) -> xr.Dataset:
@@ -271,21 +276,26 @@ def _build_dataset(
                     out[i, j, k] = sample.get(name, missing)
         return out
 
-    reals = ("energy_density", "moment", "residual_norm", "mean_offset")
-    parts = tuple(f"energy_density_{part}" for part in ("membrane", "bending", "scales"))
+    reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")
+    names: tuple[str, ...] = ("membrane", "bending", "scales")
+    counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues")
+    if options["contact"]["enabled"]:
+        names += ("contact",)
+        reals += ("min_gap", "contact_force")
+        counts += ("contact_pairs",)
+    parts = tuple(f"energy_density_{name}" for name in names)
     arrays: dict[str, Any] = {name: array(name, np.nan) for name in (*reals, *parts)}
     arrays["stretch"] = array("stretch", np.nan, extra=(3,))
-    for name in ("newton_iterations", "negative_eigenvalues"):
+    for name in counts:
         arrays[name] = array(name, 0, np.int32)
     arrays["status"] = array("status", int(SolveStatus.not_run), np.int8)
     config = {
         "pattern": pattern.to_config(),
-        "mesh": mesh.to_config(),
-        "solver": solver.to_config(),
+        **options,
         "sides": list(sides),
         "directions": [float(d) for d in directions],
         "curvatures": list(curvatures),
     }
     return build_sweep_dataset(
-        sides, directions, curvatures, arrays, scalars=pattern_scalars(pattern, mesh), config=config
+        sides, directions, curvatures, arrays, scalars=scalars, config=config
     )

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from flexscale.embedding.curvature_map import Bend, flat_curvature_rates
 from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.mechanics.contact import ContactOptions
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
@@ -108,4 +109,7 @@ def tangent_stiffness(
     >>> bool(tangent.stiffness(45.0) > tangent.stiffness(0.0))
     True
     """
-    return solve_tangent(CellProblem.from_pattern(pattern, mesh, linear_solver))
+    contact = ContactOptions(enabled=False)
+    return solve_tangent(
+        CellProblem.from_pattern(pattern, mesh, contact=contact, linear_solver=linear_solver)
+    )

@@ -38,6 +38,17 @@ class Energy(Protocol):
         """(n_elements, k (k + 1) / 2, 3, 3): blocks (i, j), i <= j row by row, of d2E/dy2."""
 
 
+class PairEnergy(Protocol):
+    """An energy whose pairs of world vectors change with the state."""
+
+    def pair_blocks(self, y: FloatArray, project: bool = False) -> tuple[IntArray, FloatArray]:
+        """Pairs (n, 2) of rows, a <= b, and blocks (n, 3, 3) of d2E/dy2 or its positive part."""
+
+
+#: What of a Hessian is replaced by its positive part, for a search direction.
+NOTHING, CONTACT, ALL = "nothing", "contact", "all"
+
+
 def block_pairs(k: int) -> tuple[IntArray, IntArray]:
     """Local indices (i, j), i <= j row by row, of the blocks of a k-vector element."""
     i, j = np.triu_indices(k)

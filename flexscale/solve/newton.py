@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse.linalg
 
 from flexscale.errors import ConfigError, suggest
-from flexscale.mechanics.energy import FloatArray
+from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, FloatArray
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.status import SolveStatus
 from flexscale.units import require_positive
@@ -71,16 +71,22 @@ class Evaluation(Protocol):
 class Objective(Protocol):
     """What Newton's method needs; vectors are over the active unknowns unless called full."""
 
-    system: ConstrainedSystem
     active: np.ndarray
     shift_mode: FloatArray
     energy_floor: float  # N mm; a Newton decrement below it is rounding
 
+    @property
+    def system(self) -> ConstrainedSystem:
+        """Linear systems on the present pattern of nonzeros."""
+
     def evaluate(self, z: FloatArray) -> Any:
         """Evaluation at the full state z; infinite energy where it is inadmissible."""
 
-    def hessian_values(self, evaluation: Any, project: bool = False) -> FloatArray:
-        """Upper-triangle values at an evaluated state."""
+    def hessian_values(self, evaluation: Any, project: str = NOTHING) -> FloatArray:
+        """Upper-triangle values at an evaluated state; a grown pattern replaces `system`."""
+
+    def free_share(self, evaluation: Any, trial: Any) -> float:
+        """Share of the straight way in the world from one state to another without contact."""
 
 
 @dataclass(frozen=True)
@@ -152,21 +158,23 @@ def _make_feasible(problem: Objective, z: FloatArray) -> FloatArray:
 def _newton(
     problem: Objective, z: FloatArray, options: SolverOptions, penalty: _Penalty, used: int = 0
 ) -> Solution:
-    system, active = problem.system, problem.active
+    active = problem.active
     compliance = 0.0 if penalty.rho == 0.0 else 0.5 / penalty.rho
     evaluation = problem.evaluate(z)
     multiplier, negative, escapes = penalty.multiplier, 0, 0
 
     def result(status: SolveStatus, iterations: int) -> Solution:
-        offset = float(system.constraint @ z[active])
+        constraint = problem.system.constraint
+        offset = float(constraint @ z[active])
         slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
-        residual = float(np.linalg.norm(evaluation.gradient + slope * system.constraint))
+        residual = float(np.linalg.norm(evaluation.gradient + slope * constraint))
         return Solution(z, evaluation, multiplier, status, iterations, residual, negative)
 
     if not np.isfinite(evaluation.energy):
         return result(SolveStatus.infeasible_start, used)
     for iteration in range(used + 1, options.max_iterations + 1):
         negative, regular = _factorize(problem, evaluation)
+        system = problem.system
         offset = float(system.constraint @ z[active])
         gradient = evaluation.gradient + penalty.slope(offset) * system.constraint
         target = -offset if penalty.rho == 0.0 else 0.0
@@ -196,16 +204,17 @@ def _newton(
 
 def _factorize(problem: Objective, evaluation: Any) -> tuple[int, bool]:
     """Factorize; negative eigenvalues of the true Hessian, and whether it was used as it is."""
-    system = problem.system
-    negative = system.factorize(problem.hessian_values(evaluation))
+    values = problem.hessian_values(evaluation)
+    negative = problem.system.factorize(values)
     if negative <= 0:
         return negative, True
-    projected = problem.hessian_values(evaluation, project=True)
-    damping = 0.0
-    while system.factorize(projected, damping) > 0:
-        damping = max(1e-8, 10.0 * damping)
-        if damping > 1e4:
-            break
+    for project in (CONTACT, ALL):
+        values = problem.hessian_values(evaluation, project)
+        if problem.system.factorize(values) <= 0:
+            return negative, False
+    damping = 1e-8
+    while problem.system.factorize(values, damping) > 0 and damping < 1e4:
+        damping *= 10.0
     return negative, False
 
 
@@ -230,6 +239,10 @@ def _search(
         trial = z.copy()
         trial[active] += length * step
         found = problem.evaluate(trial)
+        free = problem.free_share(evaluation, found) if np.isfinite(found.energy) else 0.0
+        if free < 1.0:
+            length *= min(0.9, max(0.1, 0.9 * free))
+            continue
         value = found.energy + penalty.energy(float(c @ trial[active]))
         if np.isfinite(value) and value <= start - 1e-4 * length * decrement + slack:
             return length, trial, found
@@ -241,8 +254,9 @@ def _leave_saddle(
     problem: Objective, evaluation: Any, z: FloatArray, scale: float
 ) -> tuple[FloatArray, Any]:
     """Step along the most negative mode until the energy is lower than at the saddle."""
+    values = problem.hessian_values(evaluation)
     system = problem.system
-    system.factorize(problem.hessian_values(evaluation))
+    system.factorize(values)
     n = len(problem.active)
     inverse = scipy.sparse.linalg.LinearOperator((n, n), matvec=lambda r: system.solve(r)[0])
     start = np.random.default_rng(0).standard_normal(n)
@@ -257,7 +271,8 @@ def _leave_saddle(
             trial = z.copy()
             trial[problem.active] += sign * length * mode
             found = problem.evaluate(trial)
-            if found.energy < best[1].energy:
+            lower = found.energy < best[1].energy
+            if lower and problem.free_share(evaluation, found) >= 1.0:
                 best = (trial, found)
         if best[0] is not z:
             return best

@@ -7,7 +7,7 @@ import pytest
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
@@ -28,7 +28,7 @@ def solve(problem, curvature, degrees, options=None, start=None):
 def test_bare_sheet_has_moment_d_kappa(curvature, degrees):
     """A cylinder of unstretched sheet is exact: M = D kappa and F = I; the issue asks for 0.1 %."""
     lattice = np.array([[3.0, 0.0], [1.0, 2.5]])
-    problem = CellProblem(build_bare_mesh(lattice, 1.0), fs.TPU, 0.4, fs.PETG)
+    problem = CellProblem(build_bare_mesh(lattice, 1.0), CellModel.of_pattern(square()))
     cell, solution = solve(problem, curvature, degrees)
     assert solution.status == SolveStatus.converged
     assert cell.moment(solution.evaluation) == pytest.approx(D * curvature, rel=1e-4)

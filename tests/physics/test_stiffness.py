@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from tests.physics.cells import FINE, RIGID, D, hexagon, hexagon_problem, square, square_problem
@@ -16,7 +16,7 @@ OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
 
 def test_bare_sheet_is_an_isotropic_plate():
     """C = D [1, nu; nu, 1], twist D (1 - nu)/2: exact, since HCT holds quadratic fields."""
-    problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), fs.TPU, 0.4, fs.PETG)
+    problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), CellModel.of_pattern(square()))
     nu = fs.TPU.poisson_ratio
     expected = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
     assert solve_tangent(problem).matrix == pytest.approx(expected, abs=1e-9 * D)

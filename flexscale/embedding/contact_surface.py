@@ -1,0 +1,85 @@
+"""Which parts of which scales can meet: home scales, and lattice images within reach of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mesh.periodic_mesh import PeriodicMesh
+
+#: In-plane reach of contact beyond a scale's outline, as a share of the root of the mean tile area.
+REACH = 0.25
+
+
+@dataclass(frozen=True)
+class SurfaceVertices:
+    """Vertices of home scales and of their images, and the triangles between them.
+
+    Attributes
+    ----------
+    vertices : (n,) scale vertices.
+    offsets : (n, 2) lattice offsets; (0, 0) first, then images.
+    bodies : (n,) whole scale each belongs to; images are bodies of their own.
+    triangles : (n_triangles, 3) entries of `vertices`.
+    n_home : number of vertices at offset (0, 0).
+    """
+
+    vertices: IntArray
+    offsets: IntArray
+    bodies: IntArray
+    triangles: IntArray
+    n_home: int
+
+
+def find_surface(mesh: PeriodicMesh) -> SurfaceVertices:
+    """Home scales whole, and what lies within reach of them of the images on one side.
+
+    Of an image at L and one at -L only the first is taken (L lexicographically positive), so that
+    each unordered pair of scales of the periodic pattern is met once.
+    """
+    reach = REACH * np.sqrt(mesh.cell_area / mesh.n_scales)
+    home_points = mesh.scale_positions[np.unique(mesh.surface_triangles)]
+    tree = cKDTree(np.unique(np.round(home_points[:, :2], 9), axis=0))
+    parts = [(mesh.surface_triangles, mesh.surface_scale, np.zeros(2, dtype=np.int64))]
+    span = range(-2, 3)
+    for offset in ((m, n) for m in span for n in span if m > 0 or (m == 0 and n > 0)):
+        shifted = mesh.scale_positions[:, :2] + np.array(offset) @ mesh.lattice
+        near = tree.query(shifted, distance_upper_bound=reach)[0] < reach
+        kept = near[mesh.surface_triangles].any(axis=1)
+        if kept.any():
+            offset_array = np.array(offset, dtype=np.int64)
+            parts.append((mesh.surface_triangles[kept], mesh.surface_scale[kept], offset_array))
+    return _number(parts)
+
+
+def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices:
+    vertices, offsets, bodies, triangles = [], [], [], []
+    start = body = 0
+    for faces, scales, offset in parts:
+        used, local = np.unique(faces, return_inverse=True)
+        owner = np.zeros(len(used), dtype=np.int64)
+        owner[local.ravel()] = np.repeat(scales, 3)
+        _, number = np.unique(owner, return_inverse=True)
+        vertices.append(used)
+        offsets.append(np.broadcast_to(offset, (len(used), 2)))
+        bodies.append(body + number)
+        triangles.append(start + local.reshape(-1, 3))
+        start += len(used)
+        body += int(number.max()) + 1
+    return SurfaceVertices(
+        np.concatenate(vertices),
+        np.concatenate(offsets),
+        np.concatenate(bodies),
+        np.concatenate(triangles),
+        len(vertices[0]),
+    )
+
+
+def surface_rest(mesh: PeriodicMesh, surface: SurfaceVertices) -> FloatArray:
+    """(n, 3) rest positions of the surface's vertices, images shifted, mm."""
+    rest = mesh.scale_positions[surface.vertices].copy()
+    rest[:, :2] += surface.offsets @ mesh.lattice
+    return rest

@@ -27,7 +27,7 @@ from flexscale.plotting.style import (
 )
 
 _COMMAND = "flexscale run workflows/quickstart.yaml"
-PATTERNS = {"hexagons": "IH20", "squares": "IH76"}
+PATTERNS = {"hexagon": "IH20", "square": "IH76"}
 
 NEEDS = {
     f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern})

@@ -12,10 +12,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import suggest
-from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.pattern import Pattern
-from flexscale.solve.newton import SolverOptions
 from flexscale.steps.quantities import declared, unit
 
 Length = Annotated[float, unit("mm")]
@@ -24,7 +22,6 @@ Curvature = Annotated[float, unit("mm-1")]
 Modulus = Annotated[float, unit("MPa")]
 Direction = Annotated[float, unit("degree")]
 Number = Annotated[float, unit("1")]
-Count = Annotated[int, unit("1")]
 Side = Literal["closing", "opening"]
 
 MATERIALS = {"PETG": PETG, "TPU": TPU}
@@ -132,54 +129,3 @@ class PatternBlock(Block):
 def _problem(missing: list[str], extra: list[str]) -> str:
     said = [f"{', '.join(missing)} missing"] if missing else []
     return " and ".join(said + ([f"{', '.join(extra)} out of place"] if extra else []))
-
-
-class MeshBlock(Block):
-    """Mesh sizes of a cell."""
-
-    across: Count = declared(_default(MeshOptions, "across"), "elements across the gap, even", ge=2)
-    across_grading: Number = declared(
-        _default(MeshOptions, "across_grading"),
-        "ratio of neighboring layers toward the scale outline",
-        gt=0.0,
-    )
-    along: Length = declared(_default(MeshOptions, "along"), "largest size along the gap", gt=0.0)
-    corner: Length = declared(_default(MeshOptions, "corner"), "size along at corners", gt=0.0)
-    growth: Number = declared(
-        _default(MeshOptions, "growth"), "growth of sizes away from corners", ge=1.0
-    )
-    scale_size: Length = declared(
-        _default(MeshOptions, "scale_size"), "size of a scale's base triangles", gt=0.0
-    )
-    scale_layers: Count = declared(
-        _default(MeshOptions, "scale_layers"), "layers of elements over a scale's height", ge=1
-    )
-    scale_order: Count = declared(
-        _default(MeshOptions, "scale_order"),
-        "1 for linear scale elements, 2 for quadratic",
-    )
-
-    def build(self) -> MeshOptions:
-        """Mesh options; MeshError when they contradict each other."""
-        return MeshOptions(**self.model_dump())
-
-
-class SolverBlock(Block):
-    """How equilibria are sought."""
-
-    constraint: str = declared(
-        _default(SolverOptions, "constraint"), "bordered, or augmented_lagrangian as in the paper"
-    )
-    tolerance: Number = declared(
-        _default(SolverOptions, "tolerance"), "accepted Newton decrement relative to the energy"
-    )
-    max_iterations: Count = declared(
-        _default(SolverOptions, "max_iterations"), "factorizations per equilibrium", ge=1
-    )
-    penalty: Annotated[float, unit("N/mm")] = declared(
-        _default(SolverOptions, "penalty"), "penalty of the augmented Lagrangian", gt=0.0
-    )
-
-    def build(self) -> SolverOptions:
-        """Solver options; ConfigError for an unknown constraint method."""
-        return SolverOptions(**self.model_dump())

@@ -11,16 +11,17 @@ from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
+from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import (
     Block,
     Curvature,
     Direction,
-    MeshBlock,
     PatternBlock,
     Side,
-    SolverBlock,
 )
+from flexscale.steps.option_blocks import Mesh, Solver
 from flexscale.steps.quantities import declared, series
 
 Directions = Annotated[tuple[Direction, ...], series("degree")]
@@ -90,8 +91,8 @@ class Experiment(Block):
     """An experiment: patterns, and what to compute and draw for each of them."""
 
     patterns: dict[str, PatternBlock] = declared(..., "name and description of each pattern")
-    mesh: MeshBlock = declared(MeshBlock(), "mesh sizes")
-    solver: SolverBlock = declared(SolverBlock(), "how equilibria are sought")
+    mesh: Mesh = declared(MeshOptions(), "mesh sizes")
+    solver: Solver = declared(SolverOptions(), "how equilibria are sought")
     tangent: TangentBlock | None = declared(None, "stiffness of the flat sheet; {} for defaults")
     sweep: SweepBlock | None = declared(None, "bending sweep")
     shapes: tuple[ShapeBlock, ...] = declared((), "deformed cells")
@@ -195,6 +196,7 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     Raises
     ------
     ConfigError : one line per mistake: place, mistake and what is allowed.
+    BadInputError : mesh or solver options contradict each other.
     """
     if not isinstance(content, dict):
         raise ConfigError(f"{where} holds no experiment: it needs at least the key 'patterns'.")
@@ -203,6 +205,8 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     except ValidationError as error:
         lines = [f"{where}: {_sentence(dict(item))}" for item in error.errors()]
         raise ConfigError("\n".join(lines)) from error
+    except BadInputError as error:  # mesh and solver options check themselves
+        raise type(error)(f"{where}: {error}") from error
 
 
 def load_experiment(path: Path) -> Experiment:

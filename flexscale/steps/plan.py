@@ -90,9 +90,9 @@ def build_plan(experiment: Experiment) -> Plan:
 
     Raises
     ------
-    BadInputError : a pattern or the mesh options cannot be used.
+    BadInputError : a pattern cannot be used.
     """
-    mesh = experiment.mesh.build().to_config()
+    mesh = experiment.mesh.to_config()
     patterns = experiment.build_patterns().values()
     return Plan(tuple(job for pattern in patterns for job in _jobs_of(pattern, experiment, mesh)))
 
@@ -116,7 +116,7 @@ def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) 
 
 def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], int]]:
     """Step name -> parameters besides pattern and mesh, and the number of samples."""
-    solver: dict[str, object] = {"solver": experiment.solver.build().to_config()}
+    solver: dict[str, object] = {"solver": experiment.solver.to_config()}
     wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
     if experiment.tangent is not None:
         wanted["tangent"] = (experiment.tangent.model_dump(), 1)

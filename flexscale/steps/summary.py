@@ -9,8 +9,11 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from flexscale.datasets.store import Entry, Store
+from flexscale.mesh.options import MeshOptions
+from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
 from flexscale.steps.blocks import MATERIALS
+from flexscale.steps.option_blocks import option_fields
 from flexscale.steps.quantities import unit_of
 
 if TYPE_CHECKING:
@@ -57,20 +60,29 @@ def describe_fields(block: type[BaseModel], prefix: str = "") -> str:
     """Lines on every field of an experiment block: name, unit, default and bounds, meaning."""
     lines = []
     for name, field in block.model_fields.items():
+        place, meaning = f"{prefix}{name}", field.description or ""
         inner = _inner_block(field.annotation)
-        place = f"{prefix}{name}"
-        unit = unit_of(field)
         facts = [f"{_SIGNS[key]} {value:g}" for key, value in _bounds(field).items()]
         if field.is_required():
             facts.insert(0, "required")
         elif inner is None or field.default in MATERIALS.values():
             facts.insert(0, _shown(field.default))
-        text = f"{place:<47} {unit if unit != '1' else '':<7} {'  '.join(facts):<22}"
-        lines.append(f"{text} {field.description}\n")
+        if field.annotation in (MeshOptions, SolverOptions):
+            lines.append(_line(place, "", "", meaning))
+            lines += [
+                _line(f"{place}.{item.name}", item.unit, _shown(item.default), item.meaning)
+                for item in option_fields(field.annotation)
+            ]
+            continue
+        lines.append(_line(place, unit_of(field), "  ".join(facts), meaning))
         if inner is not None:
             step = ".NAME." if get_origin(field.annotation) is dict else "."
             lines.append(describe_fields(inner, place + step))
     return "".join(lines)
+
+
+def _line(place: str, unit: str, facts: str, meaning: str) -> str:
+    return f"{place:<47} {unit if unit != '1' else '':<7} {facts:<22} {meaning}\n"
 
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}

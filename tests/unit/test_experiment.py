@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import inspect
 import json
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,9 @@ from flexscale.errors import BadInputError, ConfigError, PatternError, TilingErr
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
-from flexscale.steps.blocks import MeshBlock, PatternBlock, SolverBlock
+from flexscale.steps.blocks import PatternBlock
 from flexscale.steps.experiment import Experiment, load_experiment, parse_experiment
+from flexscale.steps.option_blocks import option_fields
 from flexscale.steps.plan import build_plan
 from flexscale.steps.summary import describe_fields
 
@@ -115,6 +115,10 @@ def test_resolved_experiment_reads_back_the_same() -> None:
         (SMALL | {"sweep": {"directions": [0], "curvatures": [0.001]}}, "must be 0"),
         (SMALL | {"sweep": {"directions": [0], "curvatures": {"stop": 1}}}, "exactly the keys"),
         (SMALL | {"solver": {"constraint": "none"}}, "constraint method"),
+        (SMALL | {"solver": {"penalti": 1}}, "Did you mean 'penalty'"),
+        (SMALL | {"mesh": {"along": "1 MPa"}}, "mesh: '1 MPa' is not a value in mm"),
+        (SMALL | {"mesh": {"along": -1}}, "mesh option along is -1 mm"),
+        (SMALL | {"mesh": {"across": 3}}, "even number"),
         ([1, 2], "holds no experiment"),
     ],
 )
@@ -172,13 +176,26 @@ def test_missing_file(tmp_path: Path) -> None:
         load_experiment(tmp_path / "nothing.yaml")
 
 
-def test_blocks_offer_every_option_of_their_class() -> None:
-    assert set(MeshBlock.model_fields) == {field.name for field in fields(MeshOptions)}
-    pattern = set(inspect.signature(Pattern).parameters) - {"tiling", "name"}
-    assert set(PatternBlock.model_fields) == pattern | {"family", "parameters", "tiles", "lattice"}
-    assert set(SolverBlock.model_fields) == set(SolverOptions().to_config())
-    assert MeshBlock().build() == MeshOptions()
-    assert SolverBlock().build() == SolverOptions()
+def test_pattern_block_offers_every_parameter_of_pattern() -> None:
+    parameters = set(inspect.signature(Pattern).parameters) - {"tiling", "name"}
+    assert set(PatternBlock.model_fields) == parameters | {
+        "family",
+        "parameters",
+        "tiles",
+        "lattice",
+    }
+
+
+def test_option_blocks_take_units_and_know_what_they_mean() -> None:
+    content = SMALL | {"mesh": {"along": "0.05 cm"}, "solver": {"max_iterations": 7}}
+    experiment = parse_experiment(content, "file.yaml")
+    assert experiment.mesh == MeshOptions(along=0.5)
+    assert experiment.solver == SolverOptions(max_iterations=7)
+    for options in (MeshOptions, SolverOptions):
+        fields = option_fields(options)
+        assert [field.name for field in fields] == list(options().to_config())
+        assert all(field.meaning for field in fields)
+    assert {f.name: f.unit for f in option_fields(MeshOptions)}["along"] == "mm"
 
 
 def test_field_list_tells_default_unit_and_bounds() -> None:
@@ -187,3 +204,4 @@ def test_field_list_tells_default_unit_and_bounds() -> None:
     assert "PETG" in lines["patterns.NAME.scale_material"]
     assert "mm-1" in lines["sweep.curvatures"]
     assert "mm2" in lines["patterns.NAME.tile_area"]
+    assert lines["mesh.along"].split()[1] == "mm"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.store import Store
-from flexscale.steps.experiment import parse_experiment
+from flexscale.plotting.figures import find_scripts
+from flexscale.steps.experiment import load_experiment, parse_experiment
 from flexscale.steps.plan import Plan, build_plan
 
+ROOT = Path(__file__).parents[2]
 CONTENT: dict[str, Any] = {
     "patterns": {"square": {"family": "IH76"}, "hexagon": {"family": "IH20"}},
     "tangent": {},
@@ -77,3 +80,12 @@ def test_needed_for_holds_ancestors_only() -> None:
 def test_nothing_is_stored_in_an_empty_folder(tmp_path: Any) -> None:
     assert plan_of(CONTENT).stored(Store(tmp_path)) == {}
     assert list(tmp_path.iterdir()) == []
+
+
+def test_quickstart_makes_what_the_paper_figures_need() -> None:
+    plan = build_plan(load_experiment(ROOT / "workflows" / "quickstart.yaml"))
+    made = {(job.step, job.family, job.pattern) for job in plan}
+    for script in find_scripts(ROOT / "paper_figures"):
+        for need in script.needs.values():
+            if need.command == "flexscale run workflows/quickstart.yaml":
+                assert (need.kind, need.where["family"], need.where["pattern"]) in made

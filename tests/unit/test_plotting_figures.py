@@ -192,8 +192,8 @@ def test_figure_7_draws_both_patterns_with_failures_visible(tmp_path: Path) -> N
     hexagons = two_regime_sweep(6)
     entries = []
     for name, family, sweep, corners in (
-        ("squares", "IH76", squares, 4),
-        ("hexagons", "IH20", hexagons, 6),
+        ("square", "IH76", squares, 4),
+        ("hexagon", "IH20", hexagons, 6),
     ):
         row = {"family": family, "pattern": name}
         entries += [

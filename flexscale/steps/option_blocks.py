@@ -1,0 +1,80 @@
+"""Blocks that are option classes of lower floors, taken with their defaults and docstrings."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from typing import Annotated, Any, NamedTuple, Protocol
+
+from pydantic import BeforeValidator, PlainSerializer
+from pydantic_core import PydanticCustomError
+
+from flexscale.errors import suggest
+from flexscale.mesh.options import MeshOptions
+from flexscale.solve.newton import SolverOptions
+from flexscale.steps.quantities import UNITS, Quantity
+
+
+class Options(Protocol):
+    """A frozen dataclass that checks itself; `to_config` holds what results depend on."""
+
+    def to_config(self) -> dict[str, Any]:
+        """Fields as plain numbers and text."""
+
+
+class OptionField(NamedTuple):
+    """One field of an option class, as its docstring declares it."""
+
+    name: str
+    unit: str
+    default: Any
+    meaning: str
+
+
+def option_fields(options: type[Options]) -> list[OptionField]:
+    """Fields of an option class that an experiment may set.
+
+    The docstring's lines ``name : unit, meaning.`` give unit and meaning; the unit may be missing.
+    """
+    wanted = options().to_config()
+    entries = re.findall(r"^    (\w+) : (.+(?:\n {8}.+)*)", options.__doc__ or "", re.MULTILINE)
+    documented = {name: " ".join(text.split()).rstrip(".") for name, text in entries}
+    found = []
+    for field in dataclasses.fields(options):  # type: ignore[arg-type]
+        if field.name in wanted:
+            text = documented.get(field.name, "")
+            unit, comma, meaning = text.partition(", ")
+            known = comma and unit in UNITS
+            found.append(
+                OptionField(
+                    field.name,
+                    unit if known else "",
+                    field.default,
+                    meaning if known else text,
+                )
+            )
+    return found
+
+
+def _read(options: type[Options], value: Any) -> Any:
+    if not isinstance(value, dict):
+        return value
+    fields = {field.name: field for field in option_fields(options)}
+    for key in value:
+        if key not in fields:
+            raise PydanticCustomError(
+                "unknown_key",
+                "there is no key {key}. {hint}",
+                {"key": repr(key), "hint": suggest(key, fields)},
+            )
+    return {
+        key: Quantity(fields[key].unit).read(item) if fields[key].unit else item
+        for key, item in value.items()
+    }
+
+
+_as_config = PlainSerializer(lambda options: options.to_config())
+Mesh = Annotated[MeshOptions, BeforeValidator(lambda value: _read(MeshOptions, value)), _as_config]
+Solver = Annotated[
+    SolverOptions, BeforeValidator(lambda value: _read(SolverOptions, value)), _as_config
+]

@@ -2,7 +2,7 @@
 
     python benchmarks/stiffness_convergence.py [--output FILE]
 
-Scales are rigid (modulus times 1e4) in the first table and PETG in the second. The last line of each
+Scales are rigid (modulus times 1e4) in the first table, PETG in the second. The last line of each
 table compares the default mesh with its finest: an estimate of the default's error.
 """
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import between, open_registry
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
+    from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mesh.options import MeshOptions
     from flexscale.patterns.material import PETG, TPU, NeoHookean
     from flexscale.patterns.pattern import Pattern
@@ -25,6 +26,7 @@ __version__ = "0.1.0"
 __all__ = [
     "PETG",
     "TPU",
+    "ContactOptions",
     "MeshOptions",
     "NeoHookean",
     "Pattern",
@@ -45,6 +47,7 @@ _HOMES = {
     "MeshOptions": "flexscale.mesh.options",
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
+    "ContactOptions": "flexscale.mechanics.contact_options",
     "SolverOptions": "flexscale.solve.newton",
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",

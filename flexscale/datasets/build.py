@@ -11,11 +11,14 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 import flexscale.datasets.accessor  # noqa: F401  (registers `dataset.fs`)
+from flexscale.datasets.fit_values import PARAMETERS
 from flexscale.datasets.identity import Recipe, plain
 from flexscale.datasets.provenance import code_version
 from flexscale.datasets.schema import (
+    ASSESSMENTS,
     COMPONENTS,
     SIDES,
+    STATISTICS,
     Schema,
     Variable,
     schema_of,
@@ -47,7 +50,8 @@ def build_sweep_dataset(
     arrays : values by the names of the schema, (n_sides, n_directions, n_curvatures), `stretch`
         with 3 components (xx, yy, xy) behind, `symmetry_source` (n_sides, n_directions) degree.
         Without contact leave out `energy_density_contact`, `contact_pairs`, `contact_force` and
-        `min_gap`; they become 0, 0, 0 and nan. Without `symmetry_source` every direction was computed itself.
+        `min_gap`; they become 0, 0, 0 and nan. Without `symmetry_source` every direction was
+        computed itself.
         Real values are set to nan wherever `status` is not 0.
     scalars : "family", "pattern" and what is known of `schema.SCALARS`.
     config : resolved configuration, JSON-able, enough to compute the sweep again.
@@ -119,6 +123,37 @@ def directional_stiffness(matrix: np.ndarray, directions: np.ndarray) -> np.ndar
     return np.einsum("in,ij,jn->n", bending, matrix, bending)
 
 
+def build_fit_dataset(
+    sides: Sequence[str],
+    directions: ArrayLike,
+    arrays: Mapping[str, ArrayLike],
+    *,
+    scalars: Mapping[str, float | str],
+    config: Mapping[str, Any],
+    recipe: Recipe | None = None,
+) -> xr.Dataset:
+    """Dataset of kind fit/1.
+
+    Parameters
+    ----------
+    sides : of "closing", "opening".
+    directions : (n,) degree, increasing.
+    arrays : variables by the names of the schema; the parameters are a, b, kappa_0, in this order.
+    scalars, config, recipe : as in `build_sweep_dataset`.
+    """
+    values = {
+        **arrays,
+        "side": list(sides),
+        "direction": np.asarray(directions, dtype=float),
+        "parameter": list(PARAMETERS),
+        "parameter_units": ["N mm", "N mm", "mm-1"],
+        "harmonic": np.arange(np.shape(arrays["cos_coefficient"])[-1]),
+        "assessment": list(ASSESSMENTS),
+        "statistic": list(STATISTICS),
+    }
+    return build_dataset("fit", values, scalars=scalars, config=config, recipe=recipe)
+
+
 def build_dataset(
     kind: str,
     arrays: Mapping[str, Any],
@@ -131,7 +166,7 @@ def build_dataset(
 
     Parameters
     ----------
-    kind : "cell", "sweep", "tangent" or "shape".
+    kind : "cell", "sweep", "tangent", "shape" or "fit".
     arrays : coordinates and variables by name; for a cell the arrays of a `PeriodicMesh`.
     scalars, config, recipe : as in `build_sweep_dataset`.
 

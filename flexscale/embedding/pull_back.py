@@ -34,6 +34,7 @@ class PullBack:
     world_map : the map z -> y.
     energies : energies over the rows of y; their elements fix the pattern of nonzeros.
     contact : contact energy, whose pairs of rows change; None without.
+    contact_pairs : (n, 2) pairs of rows, a < b, that get room from the start.
     active : (n_active,) indices into z that are unknowns of the linear systems.
 
     Attributes
@@ -57,7 +58,9 @@ class PullBack:
         self._position[active] = np.arange(len(active))
         self.n_active = len(active)
         none = np.zeros((0, 2), dtype=np.int64)
-        self._build(none if contact_pairs is None else contact_pairs)
+        self._contact_pairs = none if contact_pairs is None else contact_pairs
+        self._build(self._contact_pairs)
+        self._grown = False
 
     def _build(self, contact_pairs: IntArray) -> None:
         self._number_pairs(contact_pairs)
@@ -73,7 +76,15 @@ class PullBack:
         if not len(pairs) or np.isin(self._keys_of(pairs), self._keys).all():
             return False
         self._build(np.concatenate([self.pairs, pairs]))
+        self._grown = True
         return True
+
+    def reset(self) -> bool:
+        """Back to the pairs given at the start; True if the pattern had grown."""
+        grown, self._grown = self._grown, False
+        if grown:
+            self._build(self._contact_pairs)
+        return grown
 
     def _keys_of(self, pairs: IntArray) -> IntArray:
         return np.asarray(pairs[:, 0] * self.world_map.n_rows + pairs[:, 1])

@@ -10,7 +10,8 @@ from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
-from flexscale.mechanics.contact import ContactOptions, ScaleContact, barrier_stiffness
+from flexscale.mechanics.contact import ScaleContact, barrier_stiffness
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mechanics.shell import HctShell
@@ -164,9 +165,10 @@ class CellProblem:
         )
         self.build_system()
         self.shift_mode = self.embedding.shift_mode[self.active]
-        # Energies below this are rounding: strains of 1e-12 all over the sheet.
-        volume = self.area * model.substrate_thickness
-        self.energy_floor = 1e-24 * model.substrate_material.young_modulus * volume
+        # Energies below this are rounding: strains of 1e-12 in the sheet, of 3e-15 in the scales.
+        sheet = model.substrate_material.young_modulus * model.substrate_thickness
+        scales = model.scale_material.young_modulus * mesh.scale_height
+        self.energy_floor = self.area * (1e-24 * sheet + 1e-29 * scales)
 
     @classmethod
     def from_pattern(
@@ -180,6 +182,11 @@ class CellProblem:
         """Mesh a pattern and set up its native model."""
         mesh = build_mesh(pattern, options or MeshOptions())
         return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver))
+
+    def forget_contact(self) -> None:
+        """Give up room made for contact pairs: results must not depend on what came before."""
+        if self.pull_back.reset():
+            self.build_system()
 
     def build_system(self) -> None:
         """Analyze the present pattern of nonzeros."""

@@ -79,16 +79,29 @@ def follow_line(
         if status != SolveStatus.converged:
             yield {"curvature": curvature, "status": int(SolveStatus.not_run)}
             continue
+        problem.forget_contact()
         if not len(point.rate):
-            solution = _solve(problem, line, 0.0, point.z, options)
-            point.rate = _rate(problem, line, 0.0, solution)
-        point, solution, iterations = _advance(problem, line, point, curvature, options)
+            point, solution = _start(problem, line)
+        iterations = 1
+        if curvature > 0.0:
+            point, solution, iterations = _advance(problem, line, point, curvature, options)
         status = solution.status
         sample = {"curvature": curvature, "status": int(status), "newton_iterations": iterations}
         if status == SolveStatus.converged:
             sample |= _measure(problem, line, curvature, solution)
             sample |= {"state": point.z, "rate": point.rate}
         yield sample
+
+
+def _start(problem: CellProblem, line: Line) -> tuple[_Point, Solution]:
+    """The flat state: an equilibrium by construction, so one factorization gives all there is."""
+    cell = problem.bent(line.bend(0.0))
+    state = cell.evaluate(problem.embedding.rest)
+    negative = problem.system.factorize(cell.hessian_values(state))
+    residual = float(np.linalg.norm(state.gradient))
+    status = SolveStatus.converged
+    solution = Solution(problem.embedding.rest, state, 0.0, status, 1, residual, negative)
+    return _Point(0.0, solution.z, _rate(problem, line, 0.0, solution)), solution
 
 
 def _solve(
@@ -119,10 +132,9 @@ def _advance(
         share = min(share, 1.0 - done)
         target = curvature if done + share >= 1.0 else start + (done + share) * span
         predicted = _predict(problem, line, point, target)
-        if predicted is not None:
-            solution = _solve(problem, line, target, predicted, options)
-            iterations += solution.iterations
-        if predicted is not None and solution.status == SolveStatus.converged:
+        solution = _solve(problem, line, target, predicted, options)
+        iterations += solution.iterations
+        if solution.status == SolveStatus.converged:
             point = _Point(target, solution.z, _rate(problem, line, target, solution))
             done += share
             share *= 2.0
@@ -134,8 +146,11 @@ def _advance(
                 return point, solution, iterations
 
 
-def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:
-    """Start at `target`: along dz/dkappa as far as no scales meet on the straight way there."""
+def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray:
+    """Start at `target`: along dz/dkappa as far as no scales meet on the straight way there.
+
+    Where they meet even without moving, the start is not admissible: its entries are NaN.
+    """
     step = (target - point.curvature) * point.rate
     if problem.contact is None:
         return point.z + step
@@ -145,7 +160,7 @@ def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> 
         z = point.z + share * step
         if problem.contact.free_share(start, place(z, line.bend(target)).y) >= 1.0:
             return z
-    return None
+    return np.full_like(point.z, np.nan)
 
 
 def _measure(

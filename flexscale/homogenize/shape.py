@@ -13,7 +13,7 @@ from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.sweep import check_sweep
-from flexscale.mechanics.contact import ContactOptions
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions

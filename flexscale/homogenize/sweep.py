@@ -17,7 +17,7 @@ from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
-from flexscale.mechanics.contact import ContactOptions
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh

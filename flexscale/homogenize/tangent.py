@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from flexscale.embedding.curvature_map import Bend, flat_curvature_rates
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.mechanics.contact import ContactOptions
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
-from flexscale.mesh.quadratic import TET_EDGES
+from flexscale.simplices import TET_EDGES
 
 
 @njit(cache=True)

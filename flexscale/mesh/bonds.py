@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexscale.errors import MeshError
 from flexscale.mesh.periodic_mesh import FloatArray, IntArray, PeriodicMesh
-from flexscale.mesh.quadratic import TRIANGLE_EDGES
+from flexscale.simplices import TRIANGLE_EDGES
 
 TOLERANCE = 1e-7  # in barycentric coordinates: a point this far outside still is on the triangle
 FINEST = 0.25  # of the radius: base triangles are cut down to this size before they are integrated

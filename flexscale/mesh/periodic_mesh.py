@@ -42,7 +42,7 @@ class PeriodicMesh:
         under a scale.
     scale_positions : (n_scale_vertices, 3) every scale whole, at offset 0, 0 <= z <= scale_height.
     tets : (n_tets, 4) scale vertices, positively oriented; (n_tets, 10) if quadratic, corners first
-        and then the edges' middles in the order of `quadratic.TET_EDGES`.
+        and then the edges' middles in the order of `simplices.TET_EDGES`.
     tet_scale : (n_tets,) scale of a tet.
     base_triangles : (n_base, 3) scale vertices at z = 0, counterclockwise seen from +z; (n_base, 6)
         if quadratic.

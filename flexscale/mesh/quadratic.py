@@ -8,12 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexscale.mesh.periodic_mesh import PeriodicMesh
+from flexscale.simplices import TET_EDGES, TRIANGLE_EDGES
 
 IntArray = NDArray[np.int64]
-
-#: Corner pairs of the nodes 4 to 9 of a quadratic tet, and 3 to 5 of a triangle (VTK's order).
-TET_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
-TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
 
 
 def elevate_scales(mesh: PeriodicMesh) -> PeriodicMesh:

@@ -56,11 +56,12 @@ class TangentParameters(Parameters):
 
 
 class SweepParameters(Parameters):
-    """Also sides ("closing", "opening"), directions (degree), curvatures (mm-1), solver options."""
+    """Also sides ("closing", "opening"), directions (degree), curvatures (mm-1), options."""
 
     sides: tuple[str, ...]
     directions: tuple[float, ...]
     curvatures: tuple[float, ...]
+    contact: dict[str, Any]
     solver: dict[str, Any]
 
 
@@ -75,9 +76,10 @@ class ShapeSample(BaseModel):
 
 
 class ShapeParameters(Parameters):
-    """Also the states to show, and solver options."""
+    """Also the states to show, contact and solver options."""
 
     samples: tuple[ShapeSample, ...]
+    contact: dict[str, Any]
     solver: dict[str, Any]
 
 

@@ -11,6 +11,7 @@ from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
@@ -21,7 +22,7 @@ from flexscale.steps.blocks import (
     PatternBlock,
     Side,
 )
-from flexscale.steps.option_blocks import Mesh, Solver
+from flexscale.steps.option_blocks import Contact, Mesh, Solver
 from flexscale.steps.quantities import declared, series
 
 Directions = Annotated[tuple[Direction, ...], series("degree")]
@@ -92,6 +93,7 @@ class Experiment(Block):
 
     patterns: dict[str, PatternBlock] = declared(..., "name and description of each pattern")
     mesh: Mesh = declared(MeshOptions(), "mesh sizes")
+    contact: Contact = declared(ContactOptions(), "how scales touch")
     solver: Solver = declared(SolverOptions(), "how equilibria are sought")
     tangent: TangentBlock | None = declared(None, "stiffness of the flat sheet; {} for defaults")
     sweep: SweepBlock | None = declared(None, "bending sweep")
@@ -196,7 +198,7 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     Raises
     ------
     ConfigError : one line per mistake: place, mistake and what is allowed.
-    BadInputError : mesh or solver options contradict each other.
+    BadInputError : mesh, contact or solver options contradict each other.
     """
     if not isinstance(content, dict):
         raise ConfigError(f"{where} holds no experiment: it needs at least the key 'patterns'.")

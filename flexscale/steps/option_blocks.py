@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, PlainSerializer
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import suggest
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.quantities import UNITS, Quantity
@@ -75,6 +76,9 @@ def _read(options: type[Options], value: Any) -> Any:
 
 _as_config = PlainSerializer(lambda options: options.to_config())
 Mesh = Annotated[MeshOptions, BeforeValidator(lambda value: _read(MeshOptions, value)), _as_config]
+Contact = Annotated[
+    ContactOptions, BeforeValidator(lambda value: _read(ContactOptions, value)), _as_config
+]
 Solver = Annotated[
     SolverOptions, BeforeValidator(lambda value: _read(SolverOptions, value)), _as_config
 ]

@@ -116,17 +116,20 @@ def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) 
 
 def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], int]]:
     """Step name -> parameters besides pattern and mesh, and the number of samples."""
-    solver: dict[str, object] = {"solver": experiment.solver.to_config()}
+    options: dict[str, object] = {
+        "contact": experiment.contact.to_config(),
+        "solver": experiment.solver.to_config(),
+    }
     wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
     if experiment.tangent is not None:
         wanted["tangent"] = (experiment.tangent.model_dump(), 1)
     if experiment.sweep is not None:
         block = experiment.sweep
         size = len(block.sides) * len(block.directions) * len(block.curvatures)
-        wanted["sweep"] = (block.model_dump() | solver, size)
+        wanted["sweep"] = (block.model_dump() | options, size)
     if experiment.shapes:
         samples: object = [shape.model_dump() for shape in experiment.shapes]
-        wanted["shape"] = ({"samples": samples} | solver, len(experiment.shapes))
+        wanted["shape"] = ({"samples": samples} | options, len(experiment.shapes))
     return wanted
 
 

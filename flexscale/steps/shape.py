@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from flexscale.homogenize.shape import solve_shapes
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import ShapeParameters
@@ -23,4 +24,5 @@ def compute(
         [(sample.side, sample.direction, sample.curvature) for sample in parameters.samples],
         mesh=parameters.build_mesh_options(),
         solver=SolverOptions(**parameters.solver),
+        contact=ContactOptions(**parameters.contact),
     )

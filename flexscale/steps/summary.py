@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from flexscale.datasets.store import Entry, Store
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
@@ -67,7 +68,7 @@ def describe_fields(block: type[BaseModel], prefix: str = "") -> str:
             facts.insert(0, "required")
         elif inner is None or field.default in MATERIALS.values():
             facts.insert(0, _shown(field.default))
-        if field.annotation in (MeshOptions, SolverOptions):
+        if field.annotation in (MeshOptions, ContactOptions, SolverOptions):
             lines.append(_line(place, "", "", meaning))
             lines += [
                 _line(f"{place}.{item.name}", item.unit, _shown(item.default), item.meaning)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from flexscale.homogenize import SolverOptions, sweep
+from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import SweepParameters
 
@@ -24,6 +25,7 @@ def compute(
         sides=parameters.sides,
         mesh=parameters.build_mesh_options(),
         solver=SolverOptions(**parameters.solver),
+        contact=ContactOptions(**parameters.contact),
         workers=resources.workers,
         checkpoint=resources.checkpoint,
         on_sample=resources.on_sample,

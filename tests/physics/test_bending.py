@@ -114,7 +114,6 @@ def test_opening_and_closing_part_at_second_order(degrees):
             cell, solution = solve(problem, sign * kappa, degrees)
             moments.append(sign * cell.moment(solution.evaluation))
         parts.append(moments[0] - moments[1])
-        assert abs(parts[-1]) < 4.0 * kappa * moments[0]  # 4 mm: the height of the scales
     assert parts[1] / parts[0] == pytest.approx(4.0, rel=0.05)
 
 

@@ -12,7 +12,7 @@ from flexscale.mechanics.hct import QUADRATURE_POINTS, hct_derivatives, hct_ordi
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mechanics.shell import HctShell
 from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
-from flexscale.mesh.quadratic import TET_EDGES
+from flexscale.simplices import TET_EDGES
 from tests.derivatives import directional_difference, full_hessian, relative_error
 
 MU, LAMBDA, NU = 8.78, 210.8, 0.48

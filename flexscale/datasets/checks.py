@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexscale.datasets.build import directional_stiffness
+from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_parameters
 from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.datasets.schema import ENERGY_PARTS, SIDES, Schema, Variable, schema_of
 from flexscale.errors import SchemaError
@@ -152,6 +153,28 @@ def _check_tangent(dataset: xr.Dataset) -> None:
         raise SchemaError("The directional stiffness does not follow from the matrix.")
 
 
+def _check_fit(dataset: xr.Dataset) -> None:
+    """Parameters in order, a shared and positive, and fitted values that follow from harmonics."""
+    if list(dataset["parameter"].values) != list(PARAMETERS):
+        raise SchemaError(f"The parameters of a fit are {', '.join(PARAMETERS)}, in this order.")
+    direction = dataset["direction"].values
+    _check_axis(direction, "direction", "degree")
+    for name in ("cos_coefficient", "sin_coefficient"):
+        values = dataset[name].values
+        if not np.isfinite(values).all() or np.ptp(values[:, 0], axis=0).max() > 0.0:
+            raise SchemaError(f"{name} must be finite, and a the same for both sides.")
+    for side in dataset["side"].values:
+        quantity = str(dataset["onset_quantity"].sel(side=side).values)
+        if side not in SIDES or quantity not in ONSET_QUANTITIES:
+            raise SchemaError(f"A fit cannot have the side {side!s} with contact by {quantity!r}.")
+        for name, expected in fit_parameters(dataset, side, direction).items():
+            stored = dataset["fitted_value"].sel(side=side, parameter=name).values
+            if not np.allclose(stored, expected, rtol=ROUNDING, atol=0.0, equal_nan=True):
+                raise SchemaError(f"The fitted {name}, {side!s}, does not follow from harmonics.")
+            if np.nanmin(expected, initial=np.inf) <= 0.0:
+                raise SchemaError(f"The fitted {name}, {side!s}, is not positive everywhere.")
+
+
 #: index arrays and the dimension they point into
 _CELL_INDICES = {
     "triangles": "vertex",
@@ -195,4 +218,5 @@ _CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
     "sweep": _check_sweep,
     "tangent": _check_tangent,
     "shape": _check_mesh(_SHAPE_INDICES),
+    "fit": _check_fit,
 }

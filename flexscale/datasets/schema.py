@@ -18,11 +18,18 @@ if TYPE_CHECKING:
 
 SIDES = ("closing", "opening")
 COMPONENTS = ("xx", "yy", "xy")
+#: What the errors of a fit were measured on, and how they were summed up.
+ASSESSMENTS = ("law", "model", "held_out_curvature", "held_out_direction")
+STATISTICS = ("median", "percentile_95", "worst")
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable: `dtype` is "float64", "int32", "int8" or "text"; `units` "" for text only."""
+    """One variable: `dtype` is "float64", "int32", "int8" or "text".
+
+    `units` is "" for text, and for values whose units differ along a dimension; their `comment`
+    then names the coordinate that holds the units.
+    """
 
     name: str
     dims: tuple[str, ...]
@@ -258,4 +265,89 @@ SHAPE = Schema(
     ),
 )
 
-SCHEMAS: dict[str, Schema] = {item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE)}
+_MIXED = {"comment": "units: see parameter_units"}
+_COEFFICIENT = {"comment": "units: see parameter_units; mm where onset_quantity is 1/kappa_0"}
+_PARAMETRIC = ("side", "parameter", "direction")
+_ERROR = "assessment side direction"
+_OVERALL = "assessment side"
+
+FIT = Schema(
+    "fit",
+    1,
+    "Two-regime bending law of a scaled sheet in every direction",
+    coordinates=(
+        Variable("side", ("side",), "text", "", "side to which the sheet is bent"),
+        _DIRECTION,
+        Variable("parameter", ("parameter",), "text", "", "a before, b after contact at kappa_0"),
+        Variable("parameter_units", ("parameter",), "text", "", "units of the parameter"),
+        Variable("harmonic", ("harmonic",), "int32", "1", "order k of cos 2k and sin 2k"),
+        Variable("assessment", ("assessment",), "text", "", "samples the errors are taken at"),
+        Variable("statistic", ("statistic",), "text", "", "statistic over samples"),
+    ),
+    variables=(
+        Variable(
+            "cos_coefficient",
+            ("side", "parameter", "harmonic"),
+            "float64",
+            "",
+            "coefficient of cos 2k direction",
+            attrs=_COEFFICIENT,
+        ),
+        Variable(
+            "sin_coefficient",
+            ("side", "parameter", "harmonic"),
+            "float64",
+            "",
+            "coefficient of sin 2k direction",
+            attrs=_COEFFICIENT,
+        ),
+        Variable("order", ("parameter",), "int32", "1", "highest order of the parameter"),
+        Variable(
+            "onset_quantity",
+            ("side",),
+            "text",
+            "",
+            "what the harmonics of kappa_0 interpolate: kappa_0, 1/kappa_0, or none (no contact)",
+        ),
+        Variable(
+            "directional_value",
+            _PARAMETRIC,
+            "float64",
+            "",
+            "parameter fitted in one direction, nan without contact",
+            attrs=_MIXED,
+        ),
+        Variable(
+            "fitted_value",
+            _PARAMETRIC,
+            "float64",
+            "",
+            "parameter by the harmonics, nan without contact",
+            attrs=_MIXED,
+        ),
+        _mesh("samples_before", "side direction", "int32", "samples up to the onset"),
+        _mesh("samples_beyond", "side direction", "int32", "samples beyond the onset"),
+        _mesh("energy_rmse", _ERROR, "float64", "error of the energy", "N mm-1"),
+        _mesh("moment_rmse", _ERROR, "float64", "error of the moment", "N"),
+        _mesh(
+            "moment_error",
+            f"{_ERROR} statistic",
+            "float64",
+            "relative error of the moment",
+        ),
+        _mesh("overall_energy_rmse", _OVERALL, "float64", "error of energy", "N mm-1"),
+        _mesh("overall_moment_rmse", _OVERALL, "float64", "error of the moment", "N"),
+        _mesh(
+            "overall_moment_error",
+            f"{_OVERALL} statistic",
+            "float64",
+            "relative error of the moment over all directions",
+        ),
+        _mesh("largest_curvature", "", "float64", "largest curvature sampled", "mm-1"),
+        _mesh("n_parameters", "", "int32", "numbers that define the model"),
+        _mesh("n_ignored", "", "int32", "samples ignored, not converged"),
+        Variable("weighting", (), "text", "", "weights of the samples: relative or absolute"),
+    ),
+)
+
+SCHEMAS: dict[str, Schema] = {item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE, FIT)}

@@ -95,7 +95,7 @@ class Store:
         Parameters
         ----------
         dataset : follows the schema of `kind`.
-        kind : "cell", "sweep", "tangent" or "shape".
+        kind : "cell", "sweep", "tangent", "shape" or "fit".
         recipe, inputs : what it was made from; they name it.
         record : JSON-able facts of this run that are not part of the result (wall time, memory,
             sentences on failed samples), kept in record.json under "run".

@@ -20,8 +20,14 @@ class MeshOptions:
     corner : mm, size along the gap at tiling vertices.
     growth : ratio of neighboring sizes along the gap, away from the vertices, at least 1.
     across_grading : ratio of neighboring sizes across the gap, away from the scale outline.
-    scale_size : mm, size of the triangles of a scale's base.
+    scale_size : mm, largest size of the triangles of a scale's base.
+    scale_corner : mm, size along the outline of the base at the tiling's vertices.
+    scale_rim : mm, width of the outermost strip of the base; more strips follow while they are
+        narrower than half of `scale_corner`. The sheet pulls there: half the bond radius is good.
+    scale_growth : ratio of neighboring sizes in a base, away from the vertices and the outline, at
+        least 1.
     scale_layers : layers of tets over the height of a scale.
+    layer_growth : ratio of neighboring layers' heights, upward from the base.
     scale_order : 1 linear tets (the paper's; they lock in bending), 2 quadratic.
     """
 
@@ -30,20 +36,25 @@ class MeshOptions:
     corner: float = 0.25
     growth: float = 1.6
     across_grading: float = 1.0
-    scale_size: float = 2.0
-    scale_layers: int = 1
+    scale_size: float = 3.4
+    scale_corner: float = 0.9
+    scale_rim: float = 0.25
+    scale_growth: float = 3.0
+    scale_layers: int = 3
+    layer_growth: float = 3.0
     scale_order: int = 2
 
     def __post_init__(self) -> None:
-        for name in ("along", "corner", "scale_size"):
+        for name in ("along", "corner", "scale_size", "scale_corner", "scale_rim"):
             require_positive(getattr(self, name), f"mesh option {name}", "mm")
-        require_positive(self.across_grading, "mesh option across_grading", "1")
-        require_positive(self.growth, "mesh option growth", "1")
-        if self.growth < 1.0:
-            raise MeshError(
-                f"Mesh option growth is {self.growth:g}, but sizes grow away from the tiling "
-                "vertices: give at least 1."
-            )
+        for name in ("across_grading", "growth", "scale_growth", "layer_growth"):
+            require_positive(getattr(self, name), f"mesh option {name}", "1")
+        for name in ("growth", "scale_growth"):
+            if getattr(self, name) < 1.0:
+                raise MeshError(
+                    f"Mesh option {name} is {getattr(self, name):g}, but sizes grow away from the "
+                    "tiling vertices: give at least 1."
+                )
         across = require_finite(self.across, "mesh option across", "1")
         if across < 2 or across % 2:
             raise MeshError(
@@ -78,6 +89,10 @@ class MeshOptions:
             growth=self.growth ** (1.0 / factor),
             across_grading=self.across_grading ** (1.0 / factor),
             scale_size=self.scale_size / factor,
+            scale_corner=self.scale_corner / factor,
+            scale_rim=self.scale_rim / factor,
+            scale_growth=self.scale_growth ** (1.0 / factor),
             scale_layers=max(1, round(self.scale_layers * factor)),
+            layer_growth=self.layer_growth ** (1.0 / factor),
             scale_order=self.scale_order,
         )

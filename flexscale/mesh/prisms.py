@@ -14,8 +14,7 @@ def extrude(
     triangles: IntArray,
     ranks: IntArray,
     center: FloatArray,
-    height: float,
-    n_layers: int,
+    heights: FloatArray,
 ) -> tuple[FloatArray, IntArray]:
     """Tets of a prismatic scale.
 
@@ -30,14 +29,13 @@ def extrude(
     triangles : (m, 3) counterclockwise.
     ranks : (n,) equal for vertices that a symmetry of the tile exchanges.
     center : (2,) fixed point of those symmetries, mm.
-    height : mm, in `n_layers` equal layers.
+    heights : (n_layers + 1,) mm, of the layers' faces, from 0 up.
 
     Returns
     -------
     positions (n (n_layers + 1), 3), layer by layer from z = 0, and tets (3 m n_layers, 4).
     """
     n = len(points)
-    heights = np.linspace(0.0, height, n_layers + 1)
     positions = np.concatenate([np.column_stack([points, np.full(n, z)]) for z in heights])
     tets = []
     for triangle in triangles:
@@ -45,7 +43,7 @@ def extrude(
         path = [(i, j, k, k + n), (i, j, j + n, k + n), (i, i + n, j + n, k + n)]
         tets.extend(path)
     layer = _oriented(positions, np.array(tets, dtype=np.int64))
-    return positions, np.concatenate([layer + n * level for level in range(n_layers)])
+    return positions, np.concatenate([layer + n * level for level in range(len(heights) - 1)])
 
 
 def surface_of(tets: IntArray) -> tuple[IntArray, IntArray]:

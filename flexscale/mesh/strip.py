@@ -94,7 +94,7 @@ def build_strips(
         [np.arange(count) < edge.middle for count, edge in zip(counts, edges, strict=True)]
     )
     triangles = [
-        _split_row(points, n * layer, n * (layer + 1), first_half) for layer in range(len(rows) - 1)
+        split_row(points, n * layer, n * (layer + 1), first_half) for layer in range(len(rows) - 1)
     ]
     coarse = [(start + edge.coarse) % n for start, edge in zip(starts, edges, strict=True)]
     return Ring(
@@ -107,7 +107,7 @@ def build_strips(
     )
 
 
-def _split_row(
+def split_row(
     points: FloatArray, outer: int, inner: int, first_half: NDArray[np.bool_]
 ) -> IntArray:
     """Cut the quadrilaterals between two rows along their shorter diagonal.

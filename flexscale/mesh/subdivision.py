@@ -44,8 +44,8 @@ def subdivide_edge(
     last = _half_edge(0.5 * length, sharp_end, options)
     fractions = np.concatenate([0.5 * first, 1.0 - 0.5 * last[-2::-1]])
     middle, n = len(first) - 1, len(fractions) - 1
-    coarse_first = _coarse_nodes(0.5 * length * first, options.scale_size)
-    coarse_last = n - _coarse_nodes(0.5 * length * last, options.scale_size)
+    coarse_first = _coarse_nodes(0.5 * length * first, sharp_start, options)
+    coarse_last = n - _coarse_nodes(0.5 * length * last, sharp_end, options)
     return EdgeNodes(fractions, middle, np.unique(np.concatenate([coarse_first, coarse_last])))
 
 
@@ -73,8 +73,9 @@ def _half_edge(half: float, sharp: bool, options: MeshOptions) -> FloatArray:
     return nodes
 
 
-def _coarse_nodes(nodes: FloatArray, size: float) -> IntArray:
-    """Indices of nodes about `size` apart, both ends among them."""
-    wanted = max(1, int(np.ceil(nodes[-1] / size * (1.0 - ROUNDING))))
-    targets = nodes[-1] * np.arange(wanted + 1) / wanted
+def _coarse_nodes(nodes: FloatArray, sharp: bool, options: MeshOptions) -> IntArray:
+    """Indices of the nodes nearest to those wished for a scale's base, both ends among them."""
+    first = options.scale_corner if sharp else options.scale_size
+    lengths = graded_lengths(nodes[-1], first, options.scale_growth, options.scale_size)
+    targets = np.concatenate([[0.0], np.cumsum(lengths)])
     return np.unique(np.abs(nodes[:, None] - targets).argmin(axis=0)).astype(np.int64)

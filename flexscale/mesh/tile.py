@@ -11,6 +11,7 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import COVERED, FREE, OUTLINE, OUTLINE_CORNER
 from flexscale.mesh.prisms import extrude
 from flexscale.mesh.prototile import Filling, fill_region
+from flexscale.mesh.scale_base import build_base
 from flexscale.mesh.strip import Ring, build_strips, node_loop, polygon_nodes
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns import Prototile
@@ -66,12 +67,20 @@ def build_tile_mesh(
     region = make_region([outline], prototile.stabiliser, center, True)
     extent = float(np.ptp(outline, axis=0).max())
     under = fill_region(region, extent, options.growth)
-    coarse = make_region([outline[ring.coarse]], prototile.stabiliser, center, True)
-    base = fill_region(coarse, options.scale_size, options.growth)
+    kinks = np.isin(ring.coarse, ring.kinks)
+    base = build_base(outline[ring.coarse], kinks, prototile.stabiliser, center, options)
     scale_points, tets = extrude(
-        base.points, base.triangles, base.orbits, center, scale_height, options.scale_layers
+        base.points, base.triangles, base.orbits, center, layer_heights(scale_height, options)
     )
     return _assemble(ring, under, base, scale_points, tets)
+
+
+def layer_heights(scale_height: float, options: MeshOptions) -> FloatArray:
+    """Heights (scale_layers + 1,) of the nodes above a vertex of the base, mm, from 0 up."""
+    sizes = options.layer_growth ** np.arange(options.scale_layers)
+    heights = scale_height * np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
+    heights[-1] = scale_height
+    return heights
 
 
 def _build_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:

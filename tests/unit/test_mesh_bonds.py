@@ -76,8 +76,11 @@ def test_small_radius_tends_to_the_point(order: int) -> None:
     for radius in (1e-2, 1e-3):
         value_near, slope_near = apply(build_bonds(mesh, points, scales, radius), field)
         errors.append((np.abs(value_near - value).max(), np.abs(slope_near - slope).max()))
-    assert errors[1][0] < 1e-5
-    assert errors[1][1] < (1e-9 if order == 1 else 0.12 * errors[0][1])
+    if order == 1:  # within one triangle the base is affine already
+        assert max(errors[1]) < 1e-9
+    else:
+        assert errors[1][0] < 0.011 * errors[0][0]
+        assert errors[1][1] < 0.11 * errors[0][1]
 
 
 def test_fit_of_a_parabola() -> None:

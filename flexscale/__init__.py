@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import between, open_registry
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
+    from flexscale.macro.fit import fit
+    from flexscale.macro.model import MacroModel
     from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mesh.options import MeshOptions
     from flexscale.patterns.material import PETG, TPU, NeoHookean
@@ -27,6 +29,7 @@ __all__ = [
     "PETG",
     "TPU",
     "ContactOptions",
+    "MacroModel",
     "MeshOptions",
     "NeoHookean",
     "Pattern",
@@ -34,6 +37,7 @@ __all__ = [
     "Tiling",
     "between",
     "families",
+    "fit",
     "open_registry",
     "plot",
     "sweep",
@@ -44,6 +48,7 @@ __all__ = [
 _HOMES = {
     "PETG": "flexscale.patterns.material",
     "TPU": "flexscale.patterns.material",
+    "MacroModel": "flexscale.macro.model",
     "MeshOptions": "flexscale.mesh.options",
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
@@ -52,6 +57,7 @@ _HOMES = {
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",
     "families": "flexscale.tilings",
+    "fit": "flexscale.macro.fit",
     "open_registry": "flexscale.datasets.registry",
     "sweep": "flexscale.homogenize.sweep",
     "tangent_stiffness": "flexscale.homogenize.tangent",

@@ -22,8 +22,10 @@ class MeshOptions:
     across_grading : ratio of neighboring sizes across the gap, away from the scale outline.
     scale_size : mm, largest size of the triangles of a scale's base.
     scale_corner : mm, size along the outline of the base at the tiling's vertices.
-    scale_rim : mm, width of the outermost strip of the base; more strips follow while they are
-        narrower than half of `scale_corner`. The sheet pulls there: half the bond radius is good.
+    scale_rim : mm, width of the outermost strip of the base. The sheet pulls there: about half the
+        bond radius is good.
+    scale_strips : strips along the outline of the base, each `scale_growth` times as wide as the
+        one outside it; fewer where they would not fit, none if 0.
     scale_growth : ratio of neighboring sizes in a base, away from the vertices and the outline, at
         least 1.
     scale_layers : layers of tets over the height of a scale.
@@ -39,6 +41,7 @@ class MeshOptions:
     scale_size: float = 3.4
     scale_corner: float = 0.9
     scale_rim: float = 0.25
+    scale_strips: int = 1
     scale_growth: float = 3.0
     scale_layers: int = 3
     layer_growth: float = 3.0
@@ -61,14 +64,14 @@ class MeshOptions:
                 f"Mesh option across is {across:g}, but each tile owns half a gap: "
                 "give an even number, 2 or more."
             )
-        layers = require_finite(self.scale_layers, "mesh option scale_layers", "1")
-        if layers < 1 or layers % 1:
-            raise MeshError(
-                f"Mesh option scale_layers is {layers:g}: give a whole number, 1 or more."
-            )
         object.__setattr__(self, "across", int(across))
-        object.__setattr__(self, "scale_layers", int(layers))
-
+        for name, least in (("scale_layers", 1), ("scale_strips", 0)):
+            number = require_finite(getattr(self, name), f"mesh option {name}", "1")
+            if number < least or number % 1:
+                raise MeshError(
+                    f"Mesh option {name} is {number:g}: give a whole number, {least} or more."
+                )
+            object.__setattr__(self, name, int(number))
         if self.scale_order not in (1, 2):
             raise MeshError(
                 f"Mesh option scale_order is {self.scale_order}: give 1 for linear tets or 2 for "
@@ -91,6 +94,7 @@ class MeshOptions:
             scale_size=self.scale_size / factor,
             scale_corner=self.scale_corner / factor,
             scale_rim=self.scale_rim / factor,
+            scale_strips=round(self.scale_strips * factor),
             scale_growth=self.scale_growth ** (1.0 / factor),
             scale_layers=max(1, round(self.scale_layers * factor)),
             layer_growth=self.layer_growth ** (1.0 / factor),

@@ -58,13 +58,13 @@ def build_base(
 def _inset_rows(
     nodes: FloatArray, kinks: NDArray[np.bool_], options: MeshOptions
 ) -> list[FloatArray]:
-    """Rows (n, 2) of nodes from the outline inward, each strip wider than the one before."""
+    """Rows (n, 2) of nodes from the outline inward, a strip between any two."""
     corners = np.flatnonzero(kinks)
     shifted = np.roll(nodes, -corners[0], axis=0)  # begins at a corner
     edge, fraction = _places(shifted, np.roll(kinks, -corners[0]))
     polygon = nodes[corners]
     rows, width, depth = [nodes], options.scale_rim, 0.0
-    while width < 0.5 * options.scale_corner:
+    for _ in range(options.scale_strips):
         inset = mitre_points(polygon, (depth + width) / DEEPEST)
         if inset is None:
             break

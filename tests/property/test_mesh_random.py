@@ -24,6 +24,7 @@ OPTIONS = st.builds(
     scale_size=st.floats(1.0, 6.0),
     scale_corner=st.floats(0.2, 3.0),
     scale_rim=st.floats(0.05, 2.0),
+    scale_strips=st.sampled_from([0, 1, 3]),
     scale_growth=st.floats(1.0, 4.0),
     scale_layers=st.sampled_from([1, 2]),
     layer_growth=st.floats(0.5, 4.0),

@@ -24,7 +24,13 @@ GROUPS = {
 OPTIONS = {
     "default": MeshOptions(),
     "fine": MeshOptions(
-        across=4, along=0.5, scale_size=1.2, across_grading=1.5, scale_rim=0.1, scale_growth=1.5
+        across=4,
+        along=0.5,
+        scale_size=1.2,
+        across_grading=1.5,
+        scale_rim=0.1,
+        scale_strips=3,
+        scale_growth=1.5,
     ),
 }
 

@@ -179,24 +179,25 @@ def test_elements_across_the_gap() -> None:
     assert np.allclose(rows, [4.8, 4.8 + 0.2 / 3.0, 5.0, 5.2 - 0.2 / 3.0, 5.2])
 
 
-@pytest.mark.parametrize(("rim", "depths"), [(0.1, [0.1, 0.3]), (0.3, [0.3]), (0.5, [])])
-def test_strips_along_the_outline_of_a_base(rim: float, depths: list[float]) -> None:
-    """Strips twice as wide from one to the next, while narrower than half the size at corners."""
-    options = MeshOptions(scale_rim=rim, scale_corner=0.8, scale_growth=2.0, scale_order=1)
+@pytest.mark.parametrize("depths", [[], [0.1], [0.1, 0.3, 0.7]])
+def test_strips_along_the_outline_of_a_base(depths: list[float]) -> None:
+    """Each strip is twice as wide as the one outside it."""
+    options = MeshOptions(scale_rim=0.1, scale_strips=len(depths), scale_growth=2.0, scale_order=1)
     mesh = build_mesh(Pattern(Tiling("IH76")), options)
     base = mesh.scale_positions[np.unique(mesh.base_triangles), :2]
     depth = np.sort(4.8 - np.abs(base).max(axis=1))
     outline = np.count_nonzero(depth < 1e-9)
     for row, expected in enumerate(depths, start=1):
         assert np.allclose(depth[row * outline : (row + 1) * outline], expected)
-    assert depth[(len(depths) + 1) * outline] > sum(depths) + 0.1
+    deepest = depths[-1] if depths else 0.0
+    assert depth[(len(depths) + 1) * outline] > deepest + 0.1
 
 
 def test_strips_stop_before_an_inset_loses_a_corner() -> None:
     """A notch 0.4 mm wide in the tile: its scale's base has strips no deeper than fits."""
     tile = [(0, 0), (10, 0), (10, 10), (5.3, 10), (5.3, 9.7), (4.7, 9.7), (4.7, 10), (0, 10)]
     tooth = [(4.7, 9.7), (5.3, 9.7), (5.3, 10), (4.7, 10)]
-    options = MeshOptions(scale_rim=0.05, scale_corner=2.0, scale_growth=2.0, scale_order=1)
+    options = MeshOptions(scale_rim=0.05, scale_strips=3, scale_growth=2.0, scale_order=1)
     pattern = Pattern.from_polygons([tile, tooth], (10, 0), (0, 10), gap=0.1)
     mesh = build_mesh(pattern, options)  # validates itself
     small = np.unique(mesh.base_triangles[mesh.base_scale == 1])
@@ -266,6 +267,7 @@ def test_bare_sheet(size: float) -> None:
         ({"scale_layers": 1.5}, MeshError, "whole number"),
         ({"growth": 0.9}, MeshError, "at least 1"),
         ({"scale_growth": 0.5}, MeshError, "scale_growth is 0.5"),
+        ({"scale_strips": -1}, MeshError, "0 or more"),
         ({"scale_rim": 0.0}, UnitRangeError, "scale_rim is 0 mm"),
         ({"layer_growth": -1.0}, UnitRangeError, "layer_growth is -1"),
         ({"scale_layers": 0}, MeshError, "1 or more"),
@@ -286,5 +288,6 @@ def test_finer_options() -> None:
     assert (finer.across, finer.along, finer.scale_layers) == (4, 0.5, 6)
     assert finer.growth == pytest.approx(1.2)
     assert (finer.scale_rim, finer.scale_corner) == (0.5 * options.scale_rim, 0.45)
+    assert finer.scale_strips == 2
     assert finer.layer_growth**2 == pytest.approx(options.layer_growth)
     assert options.finer(1.0) == options

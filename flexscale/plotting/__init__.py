@@ -1,9 +1,10 @@
 """Figures from labelled datasets alone: no solver, no mesh generator, no network."""
 
 from flexscale.plotting.curves import curves
+from flexscale.plotting.fits import fit
 from flexscale.plotting.polar import polar, stiffness
 from flexscale.plotting.saving import save_figure
 from flexscale.plotting.scene import cell
 from flexscale.plotting.style import flexscale_style
 
-__all__ = ["cell", "curves", "flexscale_style", "polar", "save_figure", "stiffness"]
+__all__ = ["cell", "curves", "fit", "flexscale_style", "polar", "save_figure", "stiffness"]

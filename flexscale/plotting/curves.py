@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from flexscale.plotting.fits import fitted_curve, require_fitted
 from flexscale.plotting.selection import (
     pick_sides,
     pick_values,
@@ -39,6 +41,7 @@ def curves(
     sides: str | Sequence[str] | None = None,
     *,
     variable: str = "moment",
+    fit: xr.Dataset | None = None,
 ) -> Figure:
     """Bending moment, or another response, against curvature.
 
@@ -50,6 +53,8 @@ def curves(
     sides : "closing", "opening" or both; None takes all the sweep has. Closing lines are solid,
         opening lines dashed.
     variable : any sample variable of the sweep, for instance "energy_density" or "min_gap".
+    fit : dataset of kind fit/1; its curves are drawn on top, and samples become mere markers,
+        filled for closing and open for opening. For "moment" and "energy_density" only.
 
     Returns
     -------
@@ -57,9 +62,12 @@ def curves(
 
     Raises
     ------
-    UnknownNameError, BadInputError : a side or direction the sweep does not have.
+    UnknownNameError, BadInputError : a side or direction the sweep does not have, or a variable
+        the fit does not predict.
     SchemaError : not a sweep, or it has no such variable.
     """
+    if fit is not None:
+        require_fitted(variable)
     needed = [variable, "direction", "curvature", "side"]
     require_variables(sweep, needed, f"A plot of {variable} over curvature")
     shown_sides = pick_sides(sweep, sides)
@@ -69,9 +77,10 @@ def curves(
     with flexscale_style():
         figure = new_figure(COLUMN_WIDTH * 1.3, COLUMN_WIDTH * 0.85)
         axes = figure.add_subplot()
-        n_failed = draw_curves(axes, sweep, variable, shown_sides, chosen)
+        n_failed = draw_curves(axes, sweep, variable, shown_sides, chosen, fit)
         axes.set_title(subject(sweep))
-        figure.legend(handles=_legend(sweep, shown_sides, chosen), loc="outside right center")
+        handles = _legend(sweep, shown_sides, chosen, fit is not None)
+        figure.legend(handles=handles, loc="outside right center")
         add_note(figure, [FAILED_NOTE] if n_failed else [])
     return figure
 
@@ -82,8 +91,11 @@ def draw_curves(
     variable: str,
     sides: Sequence[str],
     direction_indices: Sequence[int] | np.ndarray,
+    fit: xr.Dataset | None = None,
 ) -> int:
     """Draw one line per side and direction into axes, a gap and a cross where none is known.
+
+    With a fit the lines are its own, and the samples markers.
 
     Returns
     -------
@@ -99,21 +111,33 @@ def draw_curves(
         for rank, index in enumerate(direction_indices):
             line = values.sel(side=side).isel(direction=index).values.astype(float)
             missing = failed.sel(side=side).isel(direction=index).values
-            color = direction_color(float(sweep["direction"].values[index]))
+            direction = float(sweep["direction"].values[index])
+            color = direction_color(direction)
             axes.plot(
                 curvature,
                 np.where(missing, np.nan, line),
-                linestyle=SIDE_LINESTYLES[side],
+                linestyle=SIDE_LINESTYLES[side] if fit is None else "none",
                 color=color,
                 marker=MARKERS[rank % len(MARKERS)],
-                markevery=every,
+                markerfacecolor="white" if fit is not None and side == "opening" else color,
+                markevery=every if fit is None else 1,
                 markersize=2.8,
-                label=f"{side} {sweep['direction'].values[index]:g}",
+                label=f"{side} {direction:g}",
             )
+            if fit is not None:
+                smooth = fitted_curve(fit, side, direction, variable, float(curvature.max()))
+                axes.plot(
+                    *smooth,
+                    linestyle=SIDE_LINESTYLES[side],
+                    color=color,
+                    linewidth=1.0,
+                    label=f"fit {side} {direction:g}",
+                )
             n_failed += int(missing.sum())
             _draw_crosses(axes, curvature[missing], color, rank)
     axes.set_xlim(0.0, float(curvature.max()) * 1.03 if curvature.max() > 0.0 else 1.0)
-    if not np.any(values.isel(direction=direction_indices).values < 0.0):
+    shown = values.isel(direction=direction_indices).values
+    if not np.any(shown < -1e-9 * np.nanmax(np.abs(shown), initial=0.0)):
         axes.set_ylim(bottom=0.0)
     axes.set_xlabel(axis_label(sweep["curvature"]))
     axes.set_ylabel(axis_label(sweep[variable]))
@@ -147,7 +171,10 @@ def _draw_crosses(axes: Axes, curvature: np.ndarray, color: object, rank: int) -
 
 
 def _legend(
-    sweep: xr.Dataset, sides: Sequence[str], direction_indices: Sequence[int] | np.ndarray
+    sweep: xr.Dataset,
+    sides: Sequence[str],
+    direction_indices: Sequence[int] | np.ndarray,
+    with_fit: bool,
 ) -> list[Line2D]:
     """One entry per direction (color, marker) and one per side (line style)."""
     entries = [
@@ -162,5 +189,11 @@ def _legend(
         for rank, direction in enumerate(sweep["direction"].values[direction_indices])
     ]
     for side in sides:
-        entries.append(Line2D([], [], color="0.3", linestyle=SIDE_LINESTYLES[side], label=side))
+        label = f"{side}, fit" if with_fit else side
+        entries.append(Line2D([], [], color="0.3", linestyle=SIDE_LINESTYLES[side], label=label))
+    for side in sides if with_fit else ():
+        face = "white" if side == "opening" else "0.3"
+        look: dict[str, Any] = {"color": "0.3", "linestyle": "none", "marker": "o"}
+        look |= {"markersize": 3.5, "markerfacecolor": face}
+        entries.append(Line2D([], [], label=f"{side}, native", **look))
     return entries

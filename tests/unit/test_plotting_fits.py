@@ -1,0 +1,127 @@
+"""Figures of fits: what is drawn is what was fitted, and native dots are the samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+import flexscale as fs
+from flexscale.errors import BadInputError, SchemaError
+from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
+from tests.unit.fit_samples import (
+    CURVATURES,
+    DIRECTIONS,
+    a_of,
+    b_of,
+    kappa_0_of,
+    law_sweep,
+    no_contact,
+    without,
+)
+
+
+@pytest.fixture(scope="module")
+def sweep() -> xr.Dataset:
+    return law_sweep()
+
+
+@pytest.fixture(scope="module")
+def model(sweep: xr.Dataset) -> xr.Dataset:
+    return fs.fit(sweep).to_dataset()
+
+
+def lines(axes: object, color: str, *, label: str | None = None) -> list[np.ndarray]:
+    """Points (n, 2) of the lines of a color in axes, nan left out, empty ones dropped."""
+    found = []
+    for line in axes.lines:  # type: ignore[attr-defined]
+        if to_hex(line.get_color()).upper() == color and label in (None, line.get_label()):
+            points = np.asarray(line.get_xydata(), dtype=float)
+            points = points[np.isfinite(points).all(axis=1)]
+            if len(points):
+                found.append(points)
+    return found
+
+
+def legend_texts(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_polar_panels_show_the_parameters(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    figure = fs.plot.fit(model, sweep)
+    for axes, known in zip(figure.axes[:3], (a_of, b_of, kappa_0_of), strict=True):
+        fitted = lines(axes, MACRO_COLOR)[0]
+        np.testing.assert_allclose(fitted[:, 1], known(np.rad2deg(fitted[:, 0])), rtol=1e-4)
+        dots = [points for points in lines(axes, NATIVE_COLOR) if len(points) == len(DIRECTIONS)]
+        np.testing.assert_allclose(dots[0][:, 1], known(DIRECTIONS), rtol=1e-4)
+
+
+def test_curves_below_show_samples_and_law(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    figure = fs.plot.fit(model, sweep, direction=30.0)
+    energy, moment = figure.axes[3:]
+    for axes, name in ((energy, "energy_density"), (moment, "moment")):
+        samples = lines(axes, NATIVE_COLOR, label="native closing")[0]
+        np.testing.assert_array_equal(samples[:, 1], sweep[name].values[0, 2])
+        for label in ("law closing", "harmonics closing"):
+            curve = lines(axes, MACRO_COLOR, label=label)[0]
+            at_samples = np.interp(CURVATURES, curve[:, 0], curve[:, 1])
+            scale = samples[:, 1].max()
+            np.testing.assert_allclose(at_samples, samples[:, 1], atol=1e-4 * scale)
+        assert "30°" in axes.get_title()
+    assert "N" in moment.get_ylabel()
+
+
+def test_direction_of_first_contact_by_default(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    figure = fs.plot.fit(model, sweep)
+    first = DIRECTIONS[np.argmin(kappa_0_of(DIRECTIONS))]
+    assert figure.axes[3].get_title() == f"at {first:g}°"
+
+
+def test_without_a_sweep_only_parameters(model: xr.Dataset) -> None:
+    assert len(fs.plot.fit(model).axes) == 3
+
+
+def test_no_contact_is_said() -> None:
+    model = fs.fit(law_sweep(closing=no_contact)).to_dataset()
+    titles = [axes.get_title() for axes in fs.plot.fit(model).axes]
+    assert "no contact" not in titles[0]
+    assert all("no contact" in title for title in titles[1:])
+
+
+def test_failed_sample_is_not_drawn(model: xr.Dataset, sweep: xr.Dataset) -> None:
+    figure = fs.plot.fit(model, without(sweep, side=0, direction=2, curvature=8), direction=30.0)
+    assert len(lines(figure.axes[4], NATIVE_COLOR, label="native closing")[0]) == 10
+
+
+def test_refusals(model: xr.Dataset, sweep: xr.Dataset) -> None:
+    with pytest.raises(SchemaError, match="figure of a fit needs cos_coefficient"):
+        fs.plot.fit(sweep)
+    with pytest.raises(BadInputError, match="no sample at direction 175"):
+        fs.plot.fit(model, sweep, direction=175.0)
+    with pytest.raises(BadInputError, match="predicts moment and energy_density, not min_gap"):
+        fs.plot.curves(sweep, variable="min_gap", fit=model)
+
+
+@pytest.mark.parametrize("variable", ["moment", "energy_density"])
+def test_curves_carry_the_fit(sweep: xr.Dataset, model: xr.Dataset, variable: str) -> None:
+    figure = fs.plot.curves(sweep, [0, 30], variable=variable, fit=model)
+    by_label = {line.get_label(): line for line in figure.axes[0].lines}
+    assert by_label["closing 30"].get_linestyle() == "None"
+    np.testing.assert_array_equal(by_label["opening 30"].get_ydata(), sweep[variable].values[1, 2])
+    assert by_label["opening 30"].get_markerfacecolor() == "white"
+    fitted = by_label["fit closing 30"]
+    assert fitted.get_linestyle() == "-"
+    at_samples = np.interp(CURVATURES, fitted.get_xdata(), fitted.get_ydata())
+    native = sweep[variable].values[0, 2]
+    np.testing.assert_allclose(at_samples, native, atol=1e-4 * native.max())
+    assert {"closing, fit", "opening, native"} <= set(legend_texts(figure))
+
+
+def test_curves_without_a_fit_stay_lines(sweep: xr.Dataset) -> None:
+    figure = fs.plot.curves(sweep, [0, 30])
+    assert {line.get_label() for line in figure.axes[0].lines} == {
+        f"{side} {direction}" for side in ("closing", "opening") for direction in (0, 30)
+    }
+    assert "closing" in legend_texts(figure)

@@ -90,14 +90,14 @@ def read_samples(sweep: xr.Dataset) -> Samples:
     ordered = ordered.transpose("side", "direction", "curvature", ...)
     curved = ordered.isel(curvature=ordered["curvature"].values > 0.0)
     curvatures = np.asarray(curved["curvature"].values, dtype=float)
-    _require_curvatures(curvatures)
+    directions = np.asarray(curved["direction"].values, dtype=float)
+    require_axes(directions, curvatures)
     energy, moment = (
         np.asarray(curved[name].values, dtype=float) for name in ("energy_density", "moment")
     )
     converged = np.isfinite(energy) & np.isfinite(moment)
     if "status" in curved:
         converged &= curved["status"].values == SolveStatus.converged
-    directions = np.asarray(curved["direction"].values, dtype=float)
     used = _enough(converged)
     _require_directions(directions[used.any(axis=(0, 2))], directions.size)
     sources = directions
@@ -114,6 +114,17 @@ def read_samples(sweep: xr.Dataset) -> Samples:
         sources,
         int(np.count_nonzero(~converged)),
     )
+
+
+def require_axes(directions: FloatArray, curvatures: FloatArray) -> None:
+    """Refuse directions (degree) and curvatures (mm-1) that cannot determine a fit.
+
+    Raises
+    ------
+    BadInputError : with the numbers.
+    """
+    _require_curvatures(curvatures[curvatures > 0.0])
+    _require_directions(directions, len(directions))
 
 
 def well_spread(directions: FloatArray, order: int) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -83,6 +83,12 @@ class ShapeParameters(Parameters):
     solver: dict[str, Any]
 
 
+class FitParameters(Parameters):
+    """Also how samples are weighed: "relative" or "absolute"."""
+
+    weighting: Literal["relative", "absolute"]
+
+
 @dataclass(frozen=True)
 class Step:
     """One kind of work.
@@ -124,5 +130,6 @@ STEPS: dict[str, Step] = {
         Step("tangent", 1, TangentParameters, inputs=("cell",)),
         Step("sweep", 1, SweepParameters, inputs=("cell",), parallel=True),
         Step("shape", 1, ShapeParameters, inputs=("cell",)),
+        Step("fit", 1, FitParameters, inputs=("sweep",)),
     )
 }

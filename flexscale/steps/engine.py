@@ -39,8 +39,10 @@ def finished_jobs(plan: Plan, store: Store) -> dict[str, str]:
     stored = plan.stored(store)
     results = {job_id: entry.id for job_id, entry in stored.items()}
     for job in plan:
-        source = stored.get(job.inputs[0]) if job.step == FIGURE else None
-        if source is not None and figure_is_current(job.title, job.pattern, source, store):
+        if job.step != FIGURE or not all(needed in stored for needed in job.inputs):
+            continue
+        sources = [stored[needed] for needed in job.inputs]
+        if figure_is_current(job.title, job.pattern, sources, store):
             results[job.id] = str(figure_path(job.title, job.pattern, store))
     return results
 

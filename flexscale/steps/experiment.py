@@ -6,11 +6,14 @@ import itertools
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 import yaml
 from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.macro.samples import require_axes
+from flexscale.macro.uniaxial import Weighting
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
@@ -27,7 +30,16 @@ from flexscale.steps.quantities import declared, series
 
 Directions = Annotated[tuple[Direction, ...], series("degree")]
 Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
-FigureName = Literal["polar", "curves", "tangent", "cell"]
+FigureName = Literal["polar", "curves", "tangent", "cell", "fit", "fitted_curves"]
+#: Blocks a figure needs.
+_FIGURE_BLOCKS = {
+    "polar": "sweep",
+    "curves": "sweep",
+    "tangent": "tangent",
+    "cell": "shapes",
+    "fit": "fit",
+    "fitted_curves": "fit",
+}
 
 
 class SweepBlock(Block):
@@ -80,6 +92,14 @@ class TangentBlock(Block):
         return _increasing(values)
 
 
+class FitBlock(Block):
+    """Two-regime law in every direction, fitted to the sweep."""
+
+    weighting: Weighting = declared(
+        "relative", "errors relative to each sample, or absolute as in the paper"
+    )
+
+
 class ShapeBlock(Block):
     """A deformed cell to look at."""
 
@@ -97,6 +117,7 @@ class Experiment(Block):
     solver: Solver = declared(SolverOptions(), "how equilibria are sought")
     tangent: TangentBlock | None = declared(None, "stiffness of the flat sheet; {} for defaults")
     sweep: SweepBlock | None = declared(None, "bending sweep")
+    fit: FitBlock | None = declared(None, "two-regime law of the sweep; {} for defaults")
     shapes: tuple[ShapeBlock, ...] = declared((), "deformed cells")
     figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
 
@@ -118,14 +139,24 @@ class Experiment(Block):
 
     @model_validator(mode="after")
     def _figures_have_data(self) -> Self:
-        needs = {"polar": "sweep", "curves": "sweep", "tangent": "tangent", "cell": "shapes"}
         for name in self.figures:
-            if not getattr(self, needs[name]) and getattr(self, needs[name]) != TangentBlock():
+            block = _FIGURE_BLOCKS[name]
+            if getattr(self, block) in (None, ()):
                 raise PydanticCustomError(
                     "figure",
                     "the figure {name} needs the block `{block}`, which is missing",
-                    {"name": repr(name), "block": needs[name]},
+                    {"name": repr(name), "block": block},
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _fit_has_a_sweep_that_suffices(self) -> Self:
+        if self.fit is not None:
+            if self.sweep is None:
+                raise PydanticCustomError(
+                    "fit", "`fit` needs the block `sweep`, which is missing", {}
+                )
+            require_axes(np.array(self.sweep.directions), np.array(self.sweep.curvatures))
         return self
 
     def build_patterns(self) -> dict[str, Pattern]:
@@ -198,7 +229,8 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     Raises
     ------
     ConfigError : one line per mistake: place, mistake and what is allowed.
-    BadInputError : mesh, contact or solver options contradict each other.
+    BadInputError : mesh, contact or solver options contradict each other, or the sweep is too
+        small for a fit.
     """
     if not isinstance(content, dict):
         raise ConfigError(f"{where} holds no experiment: it needs at least the key 'patterns'.")
@@ -207,7 +239,7 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     except ValidationError as error:
         lines = [f"{where}: {_sentence(dict(item))}" for item in error.errors()]
         raise ConfigError("\n".join(lines)) from error
-    except BadInputError as error:  # mesh and solver options check themselves
+    except BadInputError as error:  # options and fits check themselves
         raise type(error)(f"{where}: {error}") from error
 
 

@@ -1,20 +1,17 @@
-"""Figures of an experiment: each drawn from one dataset, redrawn when that or the code changes."""
+"""Figures of an experiment, each redrawn when one of its datasets or the code changes."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.identity import Recipe
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from flexscale.datasets.store import Entry, Store
 
 #: Name of the jobs that draw; they make pictures, no datasets.
@@ -23,36 +20,48 @@ FIGURE = "figure"
 
 @dataclass(frozen=True)
 class FigureRecipe:
-    """One figure of an experiment: the step whose dataset it shows, how, and its caption.
+    """One figure of an experiment: the steps whose datasets it shows, how, and its caption.
 
-    `draw` is handed the plotting package, which loads only where something is drawn.
+    `draw` is handed the plotting package, which loads only where something is drawn, and the
+    datasets in the order of `needs`.
     """
 
-    needs: str
-    draw: Callable[[ModuleType, xr.Dataset], Any]
+    needs: tuple[str, ...]
+    draw: Callable[..., Any]
     caption: str
 
 
 FIGURES = {
     "polar": FigureRecipe(
-        "sweep",
+        ("sweep",),
         lambda plot, sweep: plot.polar(sweep, side=[str(side) for side in sweep["side"].values]),
         "Bending moment against bending direction, one curve per curvature.",
     ),
     "curves": FigureRecipe(
-        "sweep",
+        ("sweep",),
         lambda plot, sweep: plot.curves(sweep),
         "Bending moment against curvature, one line per direction.",
     ),
     "tangent": FigureRecipe(
-        "tangent",
+        ("tangent",),
         lambda plot, tangent: plot.stiffness(tangent),
         "Bending stiffness of the flat sheet against direction.",
     ),
     "cell": FigureRecipe(
-        "shape",
+        ("shape",),
         lambda plot, shape: plot.cell(shape),
         "The deformed cell with its lattice images.",
+    ),
+    "fit": FigureRecipe(
+        ("fit", "sweep"),
+        lambda plot, fit, sweep: plot.fit(fit, sweep),
+        "Stiffness before and after contact and contact curvature against direction, with their "
+        "harmonics, and the fit in the direction of first contact.",
+    ),
+    "fitted_curves": FigureRecipe(
+        ("fit", "sweep"),
+        lambda plot, fit, sweep: plot.curves(sweep, fit=fit),
+        "Bending moment against curvature: samples, and the fit on top.",
     ),
 }
 
@@ -63,12 +72,12 @@ def figure_recipe(name: str) -> Recipe:
 
 
 def figure_path(name: str, pattern: str, store: Store) -> Path:
-    """The figure's PNG; the PDF and the JSON that names its source lie beside it."""
+    """The figure's PNG; the PDF and the JSON that names its sources lie beside it."""
     return store.local / "figures" / f"{pattern}-{name}.png"
 
 
-def figure_is_current(name: str, pattern: str, source: Entry, store: Store) -> bool:
-    """Whether the figure is there and shows this dataset, drawn by this very code."""
+def figure_is_current(name: str, pattern: str, sources: Sequence[Entry], store: Store) -> bool:
+    """Whether the figure is there and shows these datasets, drawn by this very code."""
     path = figure_path(name, pattern, store)
     if not all(path.with_suffix(ending).is_file() for ending in (".png", ".pdf", ".json")):
         return False
@@ -76,11 +85,11 @@ def figure_is_current(name: str, pattern: str, source: Entry, store: Store) -> b
         made_from = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))["made_from"]
     except (ValueError, KeyError, TypeError):
         return False
-    return bool(made_from == _made_from(source))
+    return bool(made_from == _made_from(sources))
 
 
-def draw_figure(name: str, pattern: str, source: Entry, store: Store) -> Path:
-    """Draw a figure as PNG and PDF, with a JSON file that names its source.
+def draw_figure(name: str, pattern: str, sources: Sequence[Entry], store: Store) -> Path:
+    """Draw a figure as PNG and PDF, with a JSON file that names its sources.
 
     Returns
     -------
@@ -91,19 +100,20 @@ def draw_figure(name: str, pattern: str, source: Entry, store: Store) -> Path:
     recipe = FIGURES[name]
     path = figure_path(name, pattern, store)
     plotting.save_figure(
-        recipe.draw(plotting, store.load(source)),
+        recipe.draw(plotting, *(store.load(source) for source in sources)),
         path.parent,
         path.stem,
-        sources=[{"id": source.id, "content_digest": source.content_digest}],
-        facts={"caption": recipe.caption, "made_from": _made_from(source)},
+        sources=[{"id": item.id, "content_digest": item.content_digest} for item in sources],
+        facts={"caption": recipe.caption, "made_from": _made_from(sources)},
     )
     return path
 
 
-def _made_from(source: Entry) -> str:
-    """Digest of all a figure depends on: its dataset and the code that draws it."""
-    digest = hashlib.sha256(source.content_digest.encode())
-    package = Path(__file__).parents[1] / "plotting"
-    for path in [Path(__file__), *sorted([*package.glob("*.py"), *package.glob("*.mplstyle")])]:
+def _made_from(sources: Sequence[Entry]) -> str:
+    """Digest of all a figure depends on: its datasets and the code that draws it."""
+    digest = hashlib.sha256("".join(source.content_digest for source in sources).encode())
+    package = Path(__file__).parents[1]
+    code = [*(package / "plotting").glob("*.py"), *(package / "plotting").glob("*.mplstyle")]
+    for path in [Path(__file__), package / "datasets" / "fit_values.py", *sorted(code)]:
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Job:
-    """One piece of work: a step, which makes a dataset, or a figure, drawn from one.
+    """One piece of work: a step, which makes a dataset, or a figure, drawn from some.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) 
         sources = [made[needed] for needed in step.inputs]
         made[name] = _job(name, name, pattern, step.recipe(parameters), sources, size)
     figures = [
-        _job(FIGURE, name, pattern, figure_recipe(name), [made[FIGURES[name].needs]])
+        _job(FIGURE, name, pattern, figure_recipe(name), [made[n] for n in FIGURES[name].needs])
         for name in experiment.figures
     ]
     return [*made.values(), *figures]
@@ -127,6 +127,8 @@ def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], 
         block = experiment.sweep
         size = len(block.sides) * len(block.directions) * len(block.curvatures)
         wanted["sweep"] = (block.model_dump() | options, size)
+    if experiment.fit is not None:
+        wanted["fit"] = (experiment.fit.model_dump(), 1)
     if experiment.shapes:
         samples: object = [shape.model_dump() for shape in experiment.shapes]
         wanted["shape"] = ({"samples": samples} | options, len(experiment.shapes))

@@ -42,7 +42,7 @@ def run_job(plan: Plan, job: Job, store: Store, workers: int, events: EventWrite
     entries = plan.needed_for(job).stored(store)
     inputs = [entries[needed] for needed in job.inputs]
     if job.step == FIGURE:
-        path = draw_figure(job.title, job.pattern, inputs[0], store)
+        path = draw_figure(job.title, job.pattern, inputs, store)
         events.write("end", job.id, result=str(path), seconds=time.monotonic() - started)
         return
     entry = store.lookup(job.step, job.recipe, inputs)

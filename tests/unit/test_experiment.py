@@ -110,6 +110,17 @@ def test_resolved_experiment_reads_back_the_same() -> None:
         (SMALL | {"swep": {}}, "Did you mean 'sweep'"),
         (SMALL | {"figures": ["polr"]}, "figures.0"),
         (SMALL | {"figures": ["tangent"]}, "needs the block `tangent`"),
+        (SMALL | {"figures": ["fit"]}, "needs the block `fit`"),
+        (SMALL | {"fit": {}, "sweep": None}, "`fit` needs the block `sweep`"),
+        (SMALL | {"fit": {"weighting": "relativ"}}, "fit.weighting"),
+        (
+            SMALL | {"fit": {}, "sweep": {"directions": [0, 45], "curvatures": [0, 0.01]}},
+            "file.yaml: A fit needs at least 3 curvatures besides 0",
+        ),
+        (
+            SMALL | {"fit": {}, "sweep": {"directions": [0, 9], "curvatures": [0, 0.1, 0.2, 0.3]}},
+            "only 2 of the sweep's 2 directions",
+        ),
         (SMALL | {"sweep": {"directions": [0, 180], "curvatures": [0]}}, "[0, 180)"),
         (SMALL | {"sweep": {"directions": [30, 0], "curvatures": [0]}}, "0 follows 30"),
         (SMALL | {"sweep": {"directions": [0], "curvatures": [0.001]}}, "must be 0"),

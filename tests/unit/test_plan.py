@@ -77,6 +77,21 @@ def test_needed_for_holds_ancestors_only() -> None:
     assert needed == ["cell", "sweep"]
 
 
+def test_fit_comes_from_the_sweep_and_its_figures_from_both() -> None:
+    directions = {"start": 0, "stop": 180, "step": 22.5}
+    sweep = {"directions": directions, "curvatures": [0, 0.005, 0.01, 0.015]}
+    content = CONTENT | {"sweep": sweep, "fit": {}, "figures": ["fit", "fitted_curves"]}
+    plan = plan_of(content)
+    for job in plan:
+        if job.step == "fit":
+            assert [plan[needed].step for needed in job.inputs] == ["sweep"]
+        if job.step == "figure":
+            assert [plan[needed].step for needed in job.inputs] == ["fit", "sweep"]
+            assert plan.needed_for(job).jobs[-1].step == "fit"
+    gone = ids_of(content) - ids_of(content | {"fit": {"weighting": "absolute"}})
+    assert {job_id.split("-")[0] for job_id in gone} == {"fit", "figure"}
+
+
 def test_nothing_is_stored_in_an_empty_folder(tmp_path: Any) -> None:
     assert plan_of(CONTENT).stored(Store(tmp_path)) == {}
     assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,22 @@
+"""Step `fit`: the macro model of uniaxial bending, from a sweep."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from flexscale.macro import fit
+from flexscale.steps.base import Resources
+from flexscale.steps.catalog import FitParameters
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def compute(
+    parameters: FitParameters, inputs: Mapping[str, xr.Dataset], resources: Resources
+) -> xr.Dataset:
+    """Dataset of kind fit/1; samples of the sweep that did not converge are left out."""
+    model = fit(inputs["sweep"], weighting=parameters.weighting)
+    return dataclasses.replace(model, config=parameters.model_dump(mode="json")).to_dataset()

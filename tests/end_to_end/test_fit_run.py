@@ -1,0 +1,69 @@
+"""From an experiment file through contact to a fit that agrees with closed forms."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import flexscale as fs
+from flexscale.datasets.registry import open_registry
+from tests.end_to_end.test_run import run
+
+pytestmark = pytest.mark.xdist_group("run")
+
+FILE = """
+patterns:
+  square: {family: IH76}
+mesh: {scale_size: 10, scale_layers: 1, scale_order: 1, scale_strips: 0}
+sweep:
+  sides: [closing]
+  directions: {start: 0, stop: 180, step: 22.5}
+  curvatures: [0, 0.003, 0.006, 0.009, 0.011, 0.0125, 0.015]
+fit: {}
+figures: [fit, fitted_curves]
+"""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fit")
+    (folder / "fit.yaml").write_text(FILE)
+    code, _, err = run(folder / "fit.yaml", folder / "results")
+    assert code == 0, err
+    return folder / "results"
+
+
+def test_fit_of_squares_agrees_with_closed_forms(results: Path) -> None:
+    model = fs.MacroModel.from_dataset(open_registry(results).one(kind="fit"))
+    assert model.n_parameters == 19
+    assert model.n_ignored == 0
+    law = model.laws.law(0)
+    # Hinges in the gaps only, before contact: a = D P / g. The fit averages over curvatures.
+    bending_stiffness = 26.0 * 0.4**3 / 12.0 / (1.0 - 0.48**2)
+    for side_by_side in (0, 4):
+        assert law.a[side_by_side] == pytest.approx(bending_stiffness * 10.0 / 0.4, rel=0.02)
+        # Tops of the scales meet: kappa_0 = g / (P h); the barrier starts a little before.
+        assert law.kappa_0[side_by_side] == pytest.approx(0.4 / (10.0 * 4.0), rel=0.03)
+        assert law.b[side_by_side] > 100.0 * law.a[side_by_side]
+
+
+def test_fit_knows_where_it_comes_from(results: Path) -> None:
+    registry = open_registry(results)
+    dataset = registry.one(kind="fit", pattern="square")
+    assert json.loads(dataset.attrs["flexscale_inputs"]) == [registry.find(kind="sweep").one().id]
+    assert float(dataset["gap"]) == 0.4
+
+
+def test_figures_name_both_datasets(results: Path) -> None:
+    ids = [open_registry(results).find(kind=kind).one().id for kind in ("fit", "sweep")]
+    for name in ("fit", "fitted_curves"):
+        path = results / "local" / "figures" / f"square-{name}.json"
+        assert [source["id"] for source in json.loads(path.read_text())["sources"]] == ids
+        assert path.with_suffix(".png").stat().st_size > 3000
+
+
+def test_second_run_does_nothing(results: Path) -> None:
+    code, out, err = run(results.parent / "fit.yaml", results)
+    assert (code, out.count("reused"), err) == (0, 5, "")

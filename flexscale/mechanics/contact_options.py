@@ -21,7 +21,7 @@ class ContactOptions:
     """
 
     enabled: bool = True
-    activation: float = 0.01
+    activation: float = 0.005
     stiffness: float = 1.0
 
     def __post_init__(self) -> None:

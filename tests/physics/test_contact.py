@@ -1,0 +1,224 @@
+"""Contact: onset and post-contact moment against closed forms, no passing through, both sides.
+
+The closed forms assume rigid scales; PETG's modulus is raised 1e4 times for them, and the scale
+mesh is coarse.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import flexscale as fs
+from flexscale.embedding.curvature_map import Bend
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.line import Line, follow_line
+from flexscale.mechanics.shell_law import membrane_energy
+from flexscale.patterns import Pattern
+from flexscale.solve.newton import SolverOptions
+from tests.derivatives import directional_difference, relative_error
+from tests.physics.cells import RIGID, D, hexagon, square
+from tests.physics.intersections import surfaces_intersect
+
+COARSE = fs.MeshOptions(along=1.5, corner=0.4, scale_size=4.0, scale_layers=1)
+GAP, HEIGHT = 0.4, 4.0
+
+
+def solve_line(pattern, side, degrees, curvatures, activation=0.005, stiffness=1.0):
+    """Problem and samples of one line; all of them must converge."""
+    contact = fs.ContactOptions(activation=activation, stiffness=stiffness)
+    problem = CellProblem.from_pattern(pattern, COARSE, contact=contact)
+    line = Line(side, degrees, tuple(curvatures))
+    samples = list(follow_line(problem, line, SolverOptions()))
+    assert [sample["status"] for sample in samples] == [0] * len(samples)
+    return problem, samples
+
+
+def kink(samples) -> tuple[float, float]:
+    """Curvature at which the two branches of the moment meet, and the slope of the second."""
+    kappa = np.array([s["curvature"] for s in samples])
+    moment = np.array([s["moment"] for s in samples])
+    touching = np.array([s["contact_pairs"] > 0 for s in samples])
+    stiff, offset = np.polyfit(kappa[touching], moment[touching], 1)
+    before = np.flatnonzero(~touching)[-1]
+    soft = moment[before] / kappa[before]
+    return offset / (soft - stiff), stiff
+
+
+def predicted_onset(pattern: Pattern, degrees: float, side: str) -> float:
+    """kappa_0 = g / (h max_j (X_j . n)(n . nu_j)) over the walls of a one-tile pattern.
+
+    X_j is the lattice vector to neighbor j and nu_j the normal of the wall between; scales are
+    rigid and share one rotation per lattice vector. Opening meets where the product is most
+    negative.
+    """
+    (tile,) = pattern.tiles
+    n = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    sign = 1.0 if side == "closing" else -1.0
+    products = []
+    for start, end in zip(tile, np.roll(tile, -1, axis=0), strict=True):
+        wall = end - start
+        normal = np.array([wall[1], -wall[0]]) / np.linalg.norm(wall)
+        middle = 0.5 * (start + end)
+        steps = [m * pattern.lattice[0] + k * pattern.lattice[1]
+                 for m in (-1, 0, 1) for k in (-1, 0, 1) if m or k]  # fmt: skip
+        # The neighbor across this wall has the wall's middle on its own outline.
+        (step,) = [s for s in steps if on_outline(tile + s, middle)]
+        products.append(sign * (step @ n) * (n @ normal))
+    return pattern.gap / (pattern.scale_height * max(products))
+
+
+def on_outline(polygon: np.ndarray, point: np.ndarray) -> bool:
+    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        arm = end - start
+        share = np.clip((point - start) @ arm / (arm @ arm), 0.0, 1.0)
+        if np.linalg.norm(start + share * arm - point) < 1e-9:
+            return True
+    return False
+
+
+def test_predicted_onset_of_squares():
+    assert predicted_onset(square(), 0.0, "closing") == pytest.approx(GAP / (HEIGHT * 10.0))
+    assert predicted_onset(square(), 45.0, "closing") == pytest.approx(GAP / (HEIGHT * 5.0))
+
+
+ONSETS = [
+    (square, 0.0),
+    (hexagon, 15.0),
+    pytest.param(hexagon, 0.0, marks=pytest.mark.slow),
+    pytest.param(hexagon, 30.0, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("pattern", "degrees"), ONSETS)
+def test_onset_of_closing(pattern, degrees):
+    """Within 3 %: scales meet where their rigid rotations close the gap at the top."""
+    rigid = pattern(scale_material=RIGID)
+    expected = predicted_onset(rigid, degrees, "closing")
+    curvatures = expected * np.array([0.5, 0.9, 1.02, 1.04, 1.06])
+    _, samples = solve_line(rigid, "closing", degrees, curvatures)
+    assert kink(samples)[0] == pytest.approx(expected, rel=0.03)
+
+
+def lever_moment(kappa: float, distance: float) -> float:
+    """Post-contact moment of rigid squares along a side, per width.
+
+    The gap is a lever about the top edges, `distance` apart, and periods are arcs that lengthen
+    with it: M = (t/P) P1(lambda) h (P - g)/(1 - h kappa)^2 + D P kappa/g, P1 the plane-stress
+    nominal stress.
+    """
+    period, mu, lam = 10.0, fs.TPU.shear_modulus, fs.TPU.lame_lambda
+    free = GAP - distance
+    lengthening = (HEIGHT * kappa * period - free) / (1.0 - HEIGHT * kappa)
+    stretch = 1.0 + lengthening / GAP
+    stress = directional_difference(
+        lambda s: membrane_energy((stretch + s) ** 2 - 1.0, 0.0, 0.0, mu, lam), 1e-4
+    )
+    lever = HEIGHT * (period - GAP) / (1.0 - HEIGHT * kappa) ** 2
+    return 0.4 / period * stress * lever + D * period * kappa / GAP
+
+
+@pytest.mark.slow
+def test_moment_after_contact_meets_the_lever():
+    """From 1.05 to 2 kappa_0 within 3 %; the walls stay as far apart as the barrier keeps them."""
+    curvatures = [0.005, 0.009, 0.0105, 0.011, 0.013, 0.016, 0.02]
+    _, samples = solve_line(square(scale_material=RIGID), "closing", 0.0, curvatures)
+    for sample in samples[2:]:
+        expected = lever_moment(sample["curvature"], sample["min_gap"])
+        assert sample["moment"] == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.slow
+def test_onset_and_slope_do_not_depend_on_the_barrier():
+    """d_hat halved, or the stiffness ten times: onset and slope move by less than 1 %."""
+    curvatures = [0.005, 0.009, 0.0108, 0.011, 0.0112]
+    found = []
+    for activation, stiffness in [(0.005, 1.0), (0.0025, 1.0), (0.005, 10.0)]:
+        rigid = square(scale_material=RIGID)
+        _, samples = solve_line(rigid, "closing", 0.0, curvatures, activation, stiffness)
+        found.append(kink(samples))
+    for onset, slope in found[1:]:
+        assert onset == pytest.approx(found[0][0], rel=0.01)
+        assert slope == pytest.approx(found[0][1], rel=0.01)
+
+
+@pytest.mark.slow
+def test_moment_integrates_to_the_energy_across_the_onset():
+    """Within 0.5 %: contact is an energy, and the moment its exact derivative."""
+    fine = np.concatenate([[0.004, 0.008], np.linspace(0.0095, 0.0115, 25)])
+    _, samples = solve_line(hexagon(), "closing", 0.0, fine, 0.01)
+    moment = np.array([s["moment"] for s in samples])
+    energy = np.array([s["energy_density"] for s in samples])
+    gained = np.trapezoid(moment[2:], fine[2:])
+    assert gained == pytest.approx(energy[-1] - energy[2], rel=0.005)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "degrees"),
+    [(hexagon, 15.0), pytest.param(square, 30.0, marks=pytest.mark.slow)],
+)
+def test_no_scale_passes_through_another(pattern, degrees):
+    """Accepted states are free of intersections, by exact geometry that knows no barrier."""
+    curvatures = [0.005, 0.01, 0.0125, 0.015, 0.02]
+    problem, samples = solve_line(pattern(), "closing", degrees, curvatures, 0.01)
+    surface = problem.contact.surface
+    for sample in samples:
+        bend = Bend(sample["curvature"], float(np.radians(degrees)))
+        y = problem.embedding.world_map.place(sample["state"], bend).y
+        points = y[surface.rows]
+        assert not surfaces_intersect(points, surface.triangles, surface.bodies)
+        assert sample["min_gap"] > 0.0
+    # The test can see one: without contact the same cell overlaps.
+    free = CellProblem.from_pattern(pattern(), COARSE, contact=fs.ContactOptions(enabled=False))
+    (sample,) = follow_line(free, Line("closing", degrees, (0.02,)), SolverOptions())
+    y = free.embedding.world_map.place(sample["state"], Bend(0.02, float(np.radians(degrees)))).y
+    assert surfaces_intersect(y[surface.rows], surface.triangles, surface.bodies)
+
+
+def test_derivatives_of_the_touching_cell():
+    """Gradient and unprojected Hessian with active contact pairs, and the rate by kappa."""
+    problem, samples = solve_line(hexagon(), "closing", 10.0, [0.005, 0.01, 0.0125], 0.01)
+    bend = Bend(0.0125, float(np.radians(10.0)))
+    cell, z = problem.bent(bend), samples[-1]["state"]
+    state = cell.evaluate(z)
+    assert samples[-1]["contact_pairs"] > 0
+    direction = np.zeros(len(z))
+    direction[problem.active] = np.random.default_rng(0).normal(size=len(problem.active))
+    # Smaller than the distance kept, a few microns, by far.
+    curve = directional_difference(lambda h: cell.evaluate(z + h * direction).gradient, 2e-6)
+    upper = cell.hessian_values(state)
+    product = multiply_upper(problem.pull_back, upper, direction[problem.active])
+    assert relative_error(product, curve) < 1e-6
+
+    def slope(h):
+        return problem.bent(Bend(bend.curvature + h, bend.direction)).evaluate(z).gradient
+
+    assert relative_error(cell.gradient_rate(state), directional_difference(slope, 1e-7)) < 1e-6
+
+
+def multiply_upper(pull_back, values, vector):
+    """Symmetric product from the upper triangle."""
+    import scipy.sparse as sp
+
+    n = pull_back.n_active
+    upper = sp.csr_array((values, pull_back.indices, pull_back.indptr), shape=(n, n))
+    return upper @ vector + sp.triu(upper, 1).T @ vector
+
+
+def test_each_pair_of_scales_is_met_once():
+    """Pressed together until walls touch, a 2 x 1 supercell has the same contact per area."""
+    tile = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    densities = []
+    for n in (1, 2):
+        tiles = [tile + np.array([10.0 * k, 0.0]) for k in range(n)]
+        pattern = Pattern.from_polygons(tiles, (10.0 * n, 0.0), (0.0, 10.0))
+        problem = CellProblem.from_pattern(pattern, COARSE)
+        z = problem.embedding.rest.copy()
+        # Scales keep their places and size; only the period along x shrinks, by 0.398 mm a scale.
+        second = problem.mesh.scale_positions[:, 0] > 10.0
+        z[: 3 * problem.mesh.n_scale_vertices : 3][second] -= 0.398
+        z[-3] = -0.398 / 10.0
+        y = problem.embedding.world_map.place(z, Bend(0.0, 0.0)).y
+        densities.append(problem.contact.energy_parts(y)[0] / problem.area)
+    assert densities[0] > 1e-3
+    assert densities[1] == pytest.approx(densities[0], rel=1e-6)

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
 
 from flexscale.datasets.fit_values import (
     PARAMETERS,
@@ -49,9 +50,10 @@ from flexscale.plotting.style import (
 #: What the fit predicts, by the name of the sweep's variable.
 RESPONSES = {"moment": two_regime_moment, "energy_density": two_regime_energy}
 SYMBOLS = {"a": "a", "b": "b", "kappa_0": "κ₀"}
+ONE_SAMPLE_NOTE = "b is left out where a single sample lies beyond the onset"
 HARMONICS_STYLE: Any = (0, (1.2, 1.2))
 _SIDE_MARKERS = {"closing": "o", "opening": "s"}
-_NEEDED = ("cos_coefficient", "sin_coefficient", "directional_value", "onset_quantity")
+_NEEDED = ("cos_coefficient", "sin_coefficient", "directional_value", "samples_beyond")
 
 
 def fit(
@@ -132,9 +134,13 @@ def _draw_parameter(
     """One polar panel: dots of the sampled directions, and the harmonics; returns notes."""
     dense = np.arange(0.0, 180.0, 0.5)
     sampled = np.asarray(model["direction"].values, dtype=float)
-    curves = []
+    curves, left_out = [], False
     for side in sides if name != "a" else sides[:1]:
         values = model["directional_value"].sel(side=side, parameter=name).values
+        if name == "b":
+            unsure = model["samples_beyond"].sel(side=side).values == 1
+            values = np.where(unsure, np.nan, values)
+            left_out = left_out or bool(unsure.any())
         smooth = fit_parameters(model, side, dense)[name]
         # Dots first, or many of them would hide the fit.
         dots = _curve(sampled, values, NATIVE_COLOR, "none", dotted=True)
@@ -151,6 +157,7 @@ def _draw_parameter(
         if inverse:
             notes.append(f"1/κ₀ interpolated ({', '.join(inverse)}): no contact in some directions")
     axes.set_title(title)
+    notes += [ONE_SAMPLE_NOTE] * left_out
     return [note for note in notes if not note.startswith("dots:")]
 
 
@@ -180,6 +187,7 @@ def _draw_responses(
         for side in sides:
             _draw_response(axes, model, sweep.sel(side=side), side, shown, variable)
         axes.set_title(f"at {shown:g}°")
+        axes.xaxis.set_major_locator(MaxNLocator(5))
         axes.set_xlim(left=0.0)
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel(axis_label(sweep["curvature"]))

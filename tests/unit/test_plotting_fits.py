@@ -95,6 +95,15 @@ def test_failed_sample_is_not_drawn(model: xr.Dataset, sweep: xr.Dataset) -> Non
     assert len(lines(figure.axes[4], NATIVE_COLOR, label="native closing")[0]) == 10
 
 
+def test_b_of_a_single_sample_is_left_out(model: xr.Dataset) -> None:
+    unsure = model.copy(deep=True)
+    unsure["samples_beyond"].values[0, 3] = 1
+    figure = fs.plot.fit(unsure)
+    assert len(lines(figure.axes[1], NATIVE_COLOR, label="_samples")[0]) == 11
+    assert "single sample" in figure.get_supxlabel()
+    assert "single sample" not in fs.plot.fit(model).get_supxlabel()
+
+
 def test_refusals(model: xr.Dataset, sweep: xr.Dataset) -> None:
     with pytest.raises(SchemaError, match="figure of a fit needs cos_coefficient"):
         fs.plot.fit(sweep)

@@ -40,7 +40,7 @@ class MeshOptions:
     across_grading: float = 1.0
     scale_size: float = 3.4
     scale_corner: float = 0.9
-    scale_rim: float = 0.25
+    scale_rim: float = 0.45
     scale_strips: int = 1
     scale_growth: float = 3.0
     scale_layers: int = 3

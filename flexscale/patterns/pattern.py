@@ -31,7 +31,8 @@ class Pattern:
     scale_height : mm.
     substrate_thickness : mm.
     bond_radius : mm, how far around a point of a scale's outline the sheet grips the scale's base;
-        the substrate's thickness if not given. 0 ties points to points: line loads then sink into
+        twice the substrate's thickness if not given: its weight falls off smoothly, so that the
+        mean distance of the grip is then the thickness. 0 ties points to points: line loads then sink into
         the scale the deeper the finer its mesh.
     scale_material, substrate_material : Neo-Hookean solids.
     name : what to call the pattern; the tiling's own name ("hexagon") if not given.
@@ -258,9 +259,9 @@ _MATERIALS = ("scale_material", "substrate_material")
 
 
 def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:
-    """The bond radius, mm: as given, or the substrate's thickness."""
+    """The bond radius, mm: as given, or twice the substrate's thickness."""
     if given is None:
-        return thickness
+        return 2.0 * thickness
     largest = float(np.sqrt(np.linalg.det(cell.lattice) / len(cell.tiles)))
     return require_range(given, "bond radius", "mm", 0.0, largest)
 

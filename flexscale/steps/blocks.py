@@ -96,7 +96,7 @@ class PatternBlock(Block):
         _default(Pattern, "substrate_thickness"), "substrate thickness", gt=0.0
     )
     bond_radius: Length | None = declared(
-        None, "how far a scale's outline grips the sheet, substrate_thickness if left out", ge=0.0
+        None, "how far a scale's outline grips the sheet, 2 substrate_thickness if left out", ge=0.0
     )
     scale_material: Material = declared(
         _default(Pattern, "scale_material"), "material of the scales, or PETG or TPU"

@@ -214,10 +214,10 @@ def test_each_pair_of_scales_is_met_once():
         pattern = Pattern.from_polygons(tiles, (10.0 * n, 0.0), (0.0, 10.0))
         problem = CellProblem.from_pattern(pattern, COARSE)
         z = problem.embedding.rest.copy()
-        # Scales keep their places and size; only the period along x shrinks, by 0.398 mm a scale.
+        # Scales keep their places and size; only the period along x shrinks, by 0.399 mm a scale.
         second = problem.mesh.scale_positions[:, 0] > 10.0
-        z[: 3 * problem.mesh.n_scale_vertices : 3][second] -= 0.398
-        z[-3] = -0.398 / 10.0
+        z[: 3 * problem.mesh.n_scale_vertices : 3][second] -= 0.399
+        z[-3] = -0.399 / 10.0
         y = problem.embedding.world_map.place(z, Bend(0.0, 0.0)).y
         densities.append(problem.contact.energy_parts(y)[0] / problem.area)
     assert densities[0] > 1e-3

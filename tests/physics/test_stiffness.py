@@ -25,11 +25,13 @@ def test_bare_sheet_is_an_isotropic_plate():
 def test_squares_along_a_side_are_hinges():
     """a = D P / g: each gap of width g turns by kappa P. 2 %: the gap's ends are not a strip.
 
-    Scales of PETG give way under the edges of the strips, by another 3 %.
+    PETG gives way a little under the edges of the strips.
     """
-    stiffness = fs.tangent_stiffness(square(scale_material=RIGID)).stiffness(0.0)
-    assert stiffness == pytest.approx(24.8 * D, rel=0.02)
-    assert 0.95 * stiffness < solve_tangent(square_problem()).stiffness(0.0) < stiffness
+    rigid = fs.tangent_stiffness(square(scale_material=RIGID)).stiffness(0.0)
+    real = solve_tangent(square_problem()).stiffness(0.0)
+    assert rigid == pytest.approx(24.8 * D, rel=0.02)
+    assert real == pytest.approx(24.8 * D, rel=0.02)
+    assert real < rigid
 
 
 # Mesh-converged, bracketed by C1 elements from above and edge-angle elements from below.

@@ -93,10 +93,10 @@ def test_changed_copy(name: str) -> None:
     assert pattern.gap == 0.4
 
 
-def test_bond_radius_is_the_thickness_unless_given() -> None:
+def test_bond_radius_is_twice_the_thickness_unless_given() -> None:
     pattern = SHAPES["square"][0]
-    assert pattern.bond_radius == 0.4
-    assert pattern.with_(substrate_thickness=0.6).bond_radius == 0.6
+    assert pattern.bond_radius == 0.8
+    assert pattern.with_(substrate_thickness=0.6).bond_radius == 1.2
     narrow = pattern.with_(bond_radius=0.1)
     assert narrow.with_(substrate_thickness=0.6).bond_radius == 0.1
     assert narrow.to_config()["bond_radius"] == 0.1

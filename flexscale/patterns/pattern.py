@@ -32,8 +32,8 @@ class Pattern:
     substrate_thickness : mm.
     bond_radius : mm, how far around a point of a scale's outline the sheet grips the scale's base;
         twice the substrate's thickness if not given: its weight falls off smoothly, so that the
-        mean distance of the grip is then the thickness. 0 ties points to points: line loads then sink into
-        the scale the deeper the finer its mesh.
+        mean distance of the grip is then the thickness. 0 ties points to points: line loads then
+        sink into the scale the deeper the finer its mesh.
     scale_material, substrate_material : Neo-Hookean solids.
     name : what to call the pattern; the tiling's own name ("hexagon") if not given.
 

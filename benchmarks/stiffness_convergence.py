@@ -59,6 +59,7 @@ SCALES = {
 }  # fmt: skip
 NO_CONTACT = fs.ContactOptions(enabled=False)
 RADII = (0.0, 0.2, 0.4, 0.8)
+BOND_RADIUS = 0.8  # mm, the default for a sheet of 0.4 mm
 CASES = (("IH76", 0.0), ("IH76", 45.0), ("IH20", 0.0))
 RIGID = fs.NeoHookean(young_modulus=2020.0e4, poisson_ratio=0.35)
 
@@ -126,7 +127,7 @@ def main() -> None:
     rows += table(
         "Rigid scales",
         "sheet",
-        ((name, measure(mesh, RIGID, 0.4)) for name, mesh in SHEETS.items()),
+        ((name, measure(mesh, RIGID, BOND_RADIUS)) for name, mesh in SHEETS.items()),
     )
     for radius in RADII:
         rows += table(
@@ -142,9 +143,9 @@ def main() -> None:
     )  # fmt: skip
     meshes = {"default": DEFAULT, "6 across; 5 layers, rim 0.1": finest}
     rows += table(
-        "PETG scales, bond radius 0.4 mm, both meshes finer",
+        f"PETG scales, bond radius {BOND_RADIUS:g} mm, both meshes finer",
         "mesh",
-        ((name, measure(mesh, fs.PETG, 0.4)) for name, mesh in meshes.items()),
+        ((name, measure(mesh, fs.PETG, BOND_RADIUS)) for name, mesh in meshes.items()),
     )
     text = "\n".join(rows)
     print("\n" + text)

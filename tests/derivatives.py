@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse as sp
 
 
 def directional_difference(function: Callable[[float], np.ndarray | float], step: float):
@@ -32,3 +33,10 @@ def full_hessian(energy, y: np.ndarray) -> np.ndarray:
             if a != b:
                 dense[b, :, a, :] += block.T
     return dense.reshape(3 * len(y), 3 * len(y))
+
+
+def multiply_upper(pull_back, values: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Symmetric product from the upper triangle on a `PullBack`'s pattern."""
+    n = pull_back.n_active
+    upper = sp.csr_array((values, pull_back.indices, pull_back.indptr), shape=(n, n))
+    return upper @ vector + sp.triu(upper, 1).T @ vector

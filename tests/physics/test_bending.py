@@ -12,7 +12,7 @@ from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
-from tests.derivatives import directional_difference, relative_error
+from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import D, hexagon, hexagon_problem, square, square_problem
 
 
@@ -61,15 +61,6 @@ def test_derivatives_of_the_bent_cell(problem):
     assert relative_error(cell.moment(state) * problem.area, slope) < 1e-8
     rate = directional_difference(lambda h: bent(h).gradient, 1e-5)
     assert relative_error(cell.gradient_rate(state), rate) < 1e-8
-
-
-def multiply_upper(pull_back, values, vector):
-    """Symmetric product from the upper triangle."""
-    import scipy.sparse as sp
-
-    n = pull_back.n_active
-    upper = sp.csr_array((values, pull_back.indices, pull_back.indptr), shape=(n, n))
-    return upper @ vector + sp.triu(upper, 1).T @ vector
 
 
 @pytest.mark.parametrize("degrees", [0.0, 20.0, 45.0])

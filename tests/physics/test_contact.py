@@ -16,7 +16,7 @@ from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.shell_law import membrane_energy
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
-from tests.derivatives import directional_difference, relative_error
+from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import RIGID, D, hexagon, square
 from tests.physics.intersections import surfaces_intersect
 
@@ -194,15 +194,6 @@ def test_derivatives_of_the_touching_cell():
         return problem.bent(Bend(bend.curvature + h, bend.direction)).evaluate(z).gradient
 
     assert relative_error(cell.gradient_rate(state), directional_difference(slope, 1e-7)) < 1e-6
-
-
-def multiply_upper(pull_back, values, vector):
-    """Symmetric product from the upper triangle."""
-    import scipy.sparse as sp
-
-    n = pull_back.n_active
-    upper = sp.csr_array((values, pull_back.indices, pull_back.indptr), shape=(n, n))
-    return upper @ vector + sp.triu(upper, 1).T @ vector
 
 
 def test_each_pair_of_scales_is_met_once():

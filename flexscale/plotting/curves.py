@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from flexscale.plotting.fits import fitted_curve, require_fitted
 from flexscale.plotting.selection import (
@@ -139,6 +140,7 @@ def draw_curves(
     shown = values.isel(direction=direction_indices).values
     if not np.any(shown < -1e-9 * np.nanmax(np.abs(shown), initial=0.0)):
         axes.set_ylim(bottom=0.0)
+    axes.xaxis.set_major_locator(MaxNLocator(5))  # labels of small curvatures are long
     axes.set_xlabel(axis_label(sweep["curvature"]))
     axes.set_ylabel(axis_label(sweep[variable]))
     return n_failed

@@ -19,8 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
-from flexscale.embedding.contact_surface import find_surface, surface_rest
+from flexscale.embedding.contact_surface import find_surface, spread_contact, surface_rest
 from flexscale.embedding.curvature_map import GRADIENT, POSITION, ImageVectors
 from flexscale.embedding.world_map import WorldMap
 from flexscale.mechanics.contact import ContactSurface
@@ -121,7 +122,9 @@ class CellEmbedding:
     contact_surface : rows and triangles of the scales' surfaces; None without scales.
     """
 
-    def __init__(self, mesh: PeriodicMesh, bond_radius: float = 0.0) -> None:
+    def __init__(
+        self, mesh: PeriodicMesh, bond_radius: float = 0.0, contact_edge: float = 0.0
+    ) -> None:
         self.mesh = mesh
         self.bond_radius = bond_radius
         self._number_unknowns()
@@ -129,7 +132,7 @@ class CellEmbedding:
         rows = _Rows()
         self.tet_vectors = self._add_scales(rows)
         self.shell = self._add_shell(rows)
-        self.contact_surface = self._add_contact(rows) if mesh.n_scales else None
+        self.contact_surface = self._add_contact(rows, contact_edge) if mesh.n_scales else None
         self.world_map = rows.world_map(self.n_unknowns)
         pinned = 0 if mesh.n_scales else int(self.vertex_node[0])
         self.active = np.setdiff1d(np.arange(self.n_unknowns), [pinned, pinned + 1])
@@ -207,17 +210,36 @@ class CellEmbedding:
             rows.add(("scale", vertex), [image], _FREE_ROW)
         return self.mesh.tets.copy()
 
-    def _add_contact(self, rows: _Rows) -> ContactSurface:
+    def _add_contact(self, rows: _Rows, edge: float) -> ContactSurface:
         surface = find_surface(self.mesh)
-        places = np.empty(len(surface.vertices), dtype=np.int64)
-        for k, (vertex, offset) in enumerate(zip(surface.vertices, surface.offsets, strict=True)):
-            if not offset.any():
-                places[k] = rows.row_of["scale", int(vertex)]
-                continue
-            image = rows.image(POSITION, 3 * int(vertex), offset @ self.mesh.lattice, np.zeros(2))
-            places[k] = rows.add(("scale", int(vertex), *offset.tolist()), [image], _FREE_ROW)
+        spread = spread_contact(self.mesh, edge)[surface.vertices]
+        used: dict[tuple[int, ...], int] = {}
+        columns = np.empty(spread.nnz, dtype=np.int64)
+        for k, offset in enumerate(surface.offsets.tolist()):
+            for entry in range(spread.indptr[k], spread.indptr[k + 1]):
+                key = (int(spread.indices[entry]), *offset)
+                columns[entry] = used.setdefault(key, len(used))
+        places = np.array([self._scale_row(rows, *key) for key in used])
+        shape = (len(surface.vertices), len(used))
+        weights = sp.csr_array((spread.data, columns, spread.indptr), shape=shape)
         rest = surface_rest(self.mesh, surface)
-        return ContactSurface(places, rest, surface.triangles, surface.bodies, surface.n_home)
+        return ContactSurface(
+            places,
+            weights,
+            surface.vertices,
+            rest,
+            surface.triangles,
+            surface.bodies,
+            surface.n_home,
+        )
+
+    def _scale_row(self, rows: _Rows, vertex: int, m: int, n: int) -> int:
+        """Row with the position of a scale vertex at the lattice offset (m, n)."""
+        if m == n == 0:
+            return rows.row_of["scale", vertex]
+        shift = np.array([m, n]) @ self.mesh.lattice
+        image = rows.image(POSITION, 3 * vertex, shift, np.zeros(2))
+        return rows.add(("scale", vertex, m, n), [image], _FREE_ROW)
 
     def _add_shell(self, rows: _Rows) -> ShellRows:
         mesh = self.mesh

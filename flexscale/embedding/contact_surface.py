@@ -1,13 +1,22 @@
-"""Which parts of which scales can meet: home scales, and lattice images within reach of them."""
+"""Which parts of which scales can meet: home scales, and lattice images within reach of them; and
+how far around a point of a scale its neighbor presses.
+
+Scales touch along lines and at points, and under such loads an elastic body sinks in the deeper the
+finer its mesh, without limit. Printed edges are rounded: they press over the size of the contact
+edge. So a point of a contact surface follows the affine motion that fits the scale's surface best
+within that radius (see `mesh.patches`), which spreads the force over it.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mesh.patches import fit_affine
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 
 #: In-plane reach of contact beyond a scale's outline, as a share of the root of the mean tile area.
@@ -83,3 +92,44 @@ def surface_rest(mesh: PeriodicMesh, surface: SurfaceVertices) -> FloatArray:
     rest = mesh.scale_positions[surface.vertices].copy()
     rest[:, :2] += surface.offsets @ mesh.lattice
     return rest
+
+
+def spread_contact(mesh: PeriodicMesh, radius: float) -> sp.csr_array:
+    """Weights (n_scale_vertices, n_scale_vertices) of scale vertices in the points that touch.
+
+    Row v has the weights of the vertices within `radius` of v on its scale's surface in the
+    position that contact sees there; they reproduce affine motions. With radius 0, and for
+    vertices inside a scale, that is the position of v itself.
+    """
+    n = mesh.n_scale_vertices
+    if radius <= 0.0:
+        return sp.csr_array(sp.eye_array(n))
+    corners = mesh.scale_positions[mesh.surface_triangles]
+    middles = corners.mean(axis=1)
+    extents = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
+    owner = np.full(n, -1)
+    owner[mesh.surface_triangles.ravel()] = np.repeat(mesh.surface_scale, 3)
+    rows, columns, weights = [], [], []
+    for scale in range(mesh.n_scales):
+        faces = np.flatnonzero(mesh.surface_scale == scale)
+        tree, largest = cKDTree(middles[faces]), float(extents[faces].max())
+        vertices = np.flatnonzero(owner == scale)
+        reached = tree.query_ball_point(
+            mesh.scale_positions[vertices], radius + largest, return_sorted=True
+        )
+        for vertex, found in zip(vertices, reached, strict=True):
+            near = faces[found]
+            point = mesh.scale_positions[vertex]
+            near = near[np.linalg.norm(middles[near] - point, axis=1) < radius + extents[near]]
+            used, forms = fit_affine(corners[near], point, radius, quadratic=False)
+            rows.append(np.full(3 * len(used), vertex))
+            columns.append(mesh.surface_triangles[near[used]].ravel())
+            weights.append(forms[:, :, 0].ravel())
+    inside = np.flatnonzero(owner < 0)
+    entries = (
+        np.concatenate([*weights, np.ones(len(inside))]),
+        (np.concatenate([*rows, inside]), np.concatenate([*columns, inside])),
+    )
+    spread = sp.csr_array(entries, shape=(n, n))
+    spread.sum_duplicates()
+    return spread

@@ -28,11 +28,6 @@ def plate_stiffness(material: NeoHookean, thickness: float) -> float:
     return material.young_modulus * thickness**3 / (12.0 * (1.0 - material.poisson_ratio**2))
 
 
-#: Pairs of vertices get room in the Hessian if primitives of theirs are within so many gaps at
-# rest.
-_PAIR_REACH = 2.5
-
-
 def _build_energies(embedding: CellEmbedding, model: CellModel) -> list[Energy]:
     shell, mesh = embedding.shell, embedding.mesh
     sheet, scale = model.substrate_material, model.scale_material
@@ -141,6 +136,7 @@ class CellProblem:
     embedding : unknowns and world vectors; `embedding.rest` is the flat state.
     energies : substrate, then scales.
     contact : barrier between scales; None without scales or if switched off.
+    barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
     area : rest area of the cell, mm2.
     system : factorizes on the present pattern of nonzeros, which contact may enlarge.
@@ -149,9 +145,10 @@ class CellProblem:
     def __init__(self, mesh: PeriodicMesh, model: CellModel) -> None:
         self.mesh, self.model = mesh, model
         self.area = mesh.cell_area
-        self.embedding = CellEmbedding(mesh, model.bond_radius)
+        self.embedding = CellEmbedding(mesh, model.bond_radius, model.contact.edge)
         self.energies = _build_energies(self.embedding, model)
         self.contact = _build_contact(self.embedding, model)
+        self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
         self.part_names = tuple(name for e in self.energies for name in e.part_names)
         if self.contact is not None:
             self.part_names += self.contact.part_names
@@ -161,7 +158,6 @@ class CellProblem:
             self.energies,
             self.active,
             self.contact,
-            None if self.contact is None else self.contact.possible_pairs(_PAIR_REACH * model.gap),
         )
         self.build_system()
         self.shift_mode = self.embedding.shift_mode[self.active]
@@ -183,9 +179,9 @@ class CellProblem:
         mesh = build_mesh(pattern, options or MeshOptions())
         return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver))
 
-    def forget_contact(self) -> None:
-        """Give up room made for contact pairs: results must not depend on what came before."""
-        if self.pull_back.reset():
+    def fit_room(self, z: FloatArray, bend: Bend) -> None:
+        """Room in the Hessian for contact at z alone: results must not depend on earlier states."""
+        if self.pull_back.fit_room(self.embedding.world_map.place(z, bend).y):
             self.build_system()
 
     def build_system(self) -> None:

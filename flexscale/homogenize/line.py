@@ -16,6 +16,7 @@ from flexscale.status import SolveStatus
 
 SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
+_TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
 
 
 @dataclass(frozen=True)
@@ -71,15 +72,17 @@ def follow_line(
     """
     point = _Point(0.0, problem.embedding.rest, np.zeros(0))
     status = SolveStatus.converged
+    _set_barrier(problem, None)
     for sample in finished:
         status = SolveStatus(sample["status"])
         if status == SolveStatus.converged:
             point = _Point(sample["curvature"], sample["state"], sample["rate"])
+            _set_barrier(problem, sample)
     for curvature in line.curvatures[len(finished) :]:
         if status != SolveStatus.converged:
             yield {"curvature": curvature, "status": int(SolveStatus.not_run)}
             continue
-        problem.forget_contact()
+        problem.fit_room(point.z, line.bend(point.curvature))
         if not len(point.rate):
             point, solution = _start(problem, line)
         iterations = 1
@@ -91,6 +94,21 @@ def follow_line(
             sample |= _measure(problem, line, curvature, solution)
             sample |= {"state": point.z, "rate": point.rate}
         yield sample
+        if status == SolveStatus.converged:
+            _set_barrier(problem, sample)
+
+
+def _set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:
+    """Stiffness of the barrier for the sample that follows `sample`; None at the start of a line.
+
+    The distance that scales keep must stay well above rounding, however hard they press.
+    """
+    if problem.contact is None:
+        return
+    problem.contact.stiffness = problem.barrier_stiffness
+    if sample is not None:
+        tight = sample["min_gap"] < _TIGHT * problem.contact.activation_distance
+        problem.contact.stiffness = sample["barrier_stiffness"] * (_STIFFEN if tight else 1.0)
 
 
 def _start(problem: CellProblem, line: Line) -> tuple[_Point, Solution]:
@@ -177,12 +195,14 @@ def _measure(
         "residual_norm": solution.residual_norm,
         "mean_offset": float(problem.embedding.mean_offset @ solution.z),
         "negative_eigenvalues": solution.negative_eigenvalues,
+        "saddles_left": solution.saddles_left,
     }
     if problem.contact is not None:
         y = state.world.y
         numbers["min_gap"] = problem.contact.smallest_distance(y, 2.0 * problem.model.gap)
         numbers["contact_pairs"] = problem.contact.active_pairs(y)
         numbers["contact_force"] = problem.contact.force(y)
+        numbers["barrier_stiffness"] = problem.contact.stiffness
     for name, part in zip(problem.part_names, state.parts, strict=True):
         numbers[f"energy_density_{name}"] = float(part) / problem.area
     return numbers

@@ -14,6 +14,7 @@ from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.sweep import check_sweep
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.energy import FloatArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
@@ -52,6 +53,7 @@ def solve_shapes(
     display, triangles = problem.embedding.display_map()
     rest = display.place(problem.embedding.rest, Bend(0.0, 0.0)).y
     displacement = np.full((len(bends), *rest.shape), np.nan)
+    force = np.full((len(bends), len(rest)), np.nan)
     stretch = np.full((len(bends), 3), np.nan)
     signed = np.empty(len(bends))
     for k, (side, direction, curvature) in enumerate(bends):
@@ -61,6 +63,7 @@ def solve_shapes(
         if "state" in sample:
             displacement[k] = display.place(sample["state"], line.bend(curvature)).y - rest
             stretch[k] = sample["stretch"]
+            force[k] = _contact_force(problem, line.bend(curvature), sample["state"], len(rest))
     torus = problem.mesh
     arrays: dict[str, Any] = {
         "sample_direction": np.array([float(direction) for _, direction, _ in bends]),
@@ -76,6 +79,8 @@ def solve_shapes(
         "surface_triangles": torus.surface_triangles,
         "surface_scale": torus.surface_scale,
     }
+    if problem.contact is not None:
+        arrays["contact_force"] = force
     config = {
         "pattern": pattern.to_config(),
         "mesh": mesh.to_config(),
@@ -84,3 +89,12 @@ def solve_shapes(
         "bends": [list(bend) for bend in bends],
     }
     return build_dataset("shape", arrays, scalars=pattern_scalars(pattern, mesh), config=config)
+
+
+def _contact_force(problem: CellProblem, bend: Bend, z: FloatArray, n_points: int) -> FloatArray:
+    """(n_points,) N; the scale vertices come first among the points."""
+    force = np.zeros(n_points)
+    if problem.contact is not None:
+        found = problem.contact.vertex_forces(problem.embedding.world_map.place(z, bend).y)
+        force[: len(found)] = found
+    return force

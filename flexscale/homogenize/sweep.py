@@ -278,10 +278,10 @@ def _build_dataset(
 
     reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")
     names: tuple[str, ...] = ("membrane", "bending", "scales")
-    counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues")
+    counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues", "saddles_left")
     if options["contact"]["enabled"]:
         names += ("contact",)
-        reals += ("min_gap", "contact_force")
+        reals += ("min_gap", "contact_force", "barrier_stiffness")
         counts += ("contact_pairs",)
     parts = tuple(f"energy_density_{name}" for name in names)
     arrays: dict[str, Any] = {name: array(name, np.nan) for name in (*reals, *parts)}

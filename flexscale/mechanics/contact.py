@@ -18,6 +18,8 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 
 ipctk.set_num_threads(1)
 
+NEAR = 20.0  # d_hat: primitives closer than this get room in the Hessian when contact needs any
+
 
 def barrier_stiffness(force: float, activation_distance: float) -> float:
     """Stiffness at which one pair at half the activation distance pushes with `force` [N].
@@ -35,14 +37,18 @@ class ContactSurface:
 
     Attributes
     ----------
-    rows : (n,) rows of the world vectors with the vertices' positions.
-    rest : (n, 3) rest positions, mm.
+    rows : (n_rows,) rows of the world vectors with the positions of scale vertices, each once.
+    weights : (n, n_rows) of these rows in the surface's vertices; affine motions are reproduced.
+    vertices : (n,) scale vertex that each vertex of the surface is, or is an image of.
+    rest : (n, 3) rest positions of the surface's vertices, mm.
     triangles : (n_triangles, 3) vertices of this surface, outward.
     bodies : (n,) whole scale that a vertex belongs to; images are bodies of their own.
     n_home : vertices of home scales, they come first; images do not collide with one another.
     """
 
     rows: IntArray
+    weights: sp.csr_array
+    vertices: IntArray
     rest: FloatArray
     triangles: IntArray
     bodies: IntArray
@@ -71,16 +77,27 @@ class ScaleContact:
         self._mesh = ipctk.CollisionMesh(rest, ipctk.edges(triangles), triangles)
         apart = ipctk.make_vertex_patches_filter(surface.bodies.astype(np.int32))
         self._mesh.can_collide = apart & ipctk.make_static_obstacle_filter(surface.n_home)
-        self._potential = ipctk.BarrierPotential(activation_distance, stiffness)
+        self.stiffness = stiffness
         self._sweep = ipctk.AdditiveCCD()
         self._found: tuple[FloatArray, FloatArray, ipctk.NormalCollisions] | None = None
 
-    def _positions(self, y: FloatArray) -> FloatArray:
-        return np.asfortranarray(y[self.surface.rows])
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of the barrier; it may be changed between solves."""
+        return self._stiffness
+
+    @stiffness.setter
+    def stiffness(self, value: float) -> None:
+        self._stiffness = value
+        self._potential = ipctk.BarrierPotential(self.activation_distance, value)
+
+    def positions(self, y: FloatArray) -> FloatArray:
+        """(n, 3) world positions of the surface's vertices, mm."""
+        return np.asfortranarray(self.surface.weights @ y[self.surface.rows])
 
     def _collisions(self, y: FloatArray) -> tuple[FloatArray, ipctk.NormalCollisions]:
         if self._found is None or self._found[0] is not y:
-            positions = self._positions(y)
+            positions = self.positions(y)
             collisions = ipctk.NormalCollisions()
             collisions.build(self._mesh, positions, self.activation_distance)
             self._found = (y, positions, collisions)
@@ -96,7 +113,7 @@ class ScaleContact:
         positions, collisions = self._collisions(y)
         if len(collisions):
             slope = self._potential.gradient(collisions, self._mesh, positions).reshape(-1, 3)
-            gradient[self.surface.rows] += slope
+            gradient[self.surface.rows] += self.surface.weights.T @ slope
 
     def pair_blocks(self, y: FloatArray, project: bool = False) -> tuple[IntArray, FloatArray]:
         """Pairs (n, 2) of rows of y, a <= b, and blocks (n, 3, 3) of d2E/dy2."""
@@ -107,42 +124,57 @@ class ScaleContact:
         hessian = self._potential.hessian(collisions, self._mesh, positions, method)
         blocks = sp.bsr_array(hessian, blocksize=(3, 3))
         blocks.sum_duplicates()
-        first = np.repeat(np.arange(len(self.surface.rows)), np.diff(blocks.indptr))
-        pairs = self.surface.rows[np.stack([first, blocks.indices], axis=1)]
-        kept = pairs[:, 0] <= pairs[:, 1]
-        return pairs[kept], blocks.data[kept]
+        return self._spread_blocks(blocks)
+
+    def _spread_blocks(self, blocks: sp.bsr_array) -> tuple[IntArray, FloatArray]:
+        """Pairs and 3 x 3 blocks between rows of y, from blocks between surface vertices."""
+        first = np.repeat(np.arange(blocks.shape[0] // 3), np.diff(blocks.indptr))
+        left, middle, share = _expand(self.surface.weights, first)
+        values = share[:, None, None] * blocks.data[middle]
+        right, entry, share = _expand(self.surface.weights, blocks.indices[middle])
+        values = share[:, None, None] * values[entry]
+        rows = self.surface.rows
+        a, b = rows[left[entry]], rows[right]
+        kept = a <= b
+        keys, slot = np.unique(a[kept] * (rows.max() + 1) + b[kept], return_inverse=True)
+        out = np.zeros((len(keys), 3, 3))
+        np.add.at(out, slot, values[kept])
+        return np.stack(np.divmod(keys, rows.max() + 1), axis=1), out
 
     def free_share(self, start: FloatArray, end: FloatArray) -> float:
         """Share of the straight way from y = start to end on which nothing passes through."""
         return float(
             ipctk.compute_collision_free_stepsize(
-                self._mesh, self._positions(start), self._positions(end), 0.0, None, self._sweep
+                self._mesh, self.positions(start), self.positions(end), 0.0, None, self._sweep
             )
         )
 
-    def possible_pairs(self, reach: float) -> IntArray:
-        """(n, 2) rows, a < b, of home and image vertices that primitives within `reach` share."""
-        candidates = ipctk.Candidates()
-        rest = np.asfortranarray(self.surface.rest)
-        candidates.build(self._mesh, rest, 0.5 * reach)
-        edges, faces = self._mesh.edges, self._mesh.faces
-        stencils = [c.vertex_ids(edges, faces) for c in candidates.ee_candidates]
-        stencils += [c.vertex_ids(edges, faces) for c in candidates.fv_candidates]
-        if not stencils:
+    def near_pairs(self, y: FloatArray) -> IntArray:
+        """(n, 2) rows a <= b that primitives closer than `NEAR` d_hat couple."""
+        positions = self.positions(y)
+        found = ipctk.NormalCollisions()
+        found.build(self._mesh, positions, NEAR * self.activation_distance)
+        if not len(found):
             return np.zeros((0, 2), dtype=np.int64)
-        corners = self.surface.rows[np.array(stencils)[:, :4]]
-        first, second = np.triu_indices(4, 1)
-        pairs = np.stack([corners[:, first].ravel(), corners[:, second].ravel()], axis=1)
-        pairs.sort(axis=1)
-        return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
+        edges, faces = self._mesh.edges, self._mesh.faces
+        stencils = np.array([found[k].vertex_ids(edges, faces) for k in range(len(found))])
+        used = stencils >= 0
+        touched = sp.csr_array(
+            (np.ones(used.sum()), (np.nonzero(used)[0], stencils[used])),
+            shape=(len(stencils), len(self.surface.rest)),
+        )
+        reached = touched @ abs(self.surface.weights)
+        first, second = (reached.T @ reached).nonzero()
+        pairs = np.stack([self.surface.rows[first], self.surface.rows[second]], axis=1)
+        return pairs[pairs[:, 0] <= pairs[:, 1]]
 
     def intersects(self, y: FloatArray) -> bool:
         """Whether any triangle of one scale cuts an edge of another."""
-        return bool(ipctk.has_intersections(self._mesh, self._positions(y)))
+        return bool(ipctk.has_intersections(self._mesh, self.positions(y)))
 
     def smallest_distance(self, y: FloatArray, reach: float) -> float:
         """Smallest distance between scales, mm; infinite beyond `reach`."""
-        collisions, positions = ipctk.NormalCollisions(), self._positions(y)
+        collisions, positions = ipctk.NormalCollisions(), self.positions(y)
         collisions.build(self._mesh, positions, reach)
         if not len(collisions):
             return float("inf")
@@ -152,9 +184,31 @@ class ScaleContact:
         """Number of primitive pairs closer than d_hat."""
         return len(self._collisions(y)[1])
 
+    def forces(self, y: FloatArray) -> FloatArray:
+        """(n, 3) contact forces on the vertices of the surface, N."""
+        positions, collisions = self._collisions(y)
+        if not len(collisions):
+            return np.zeros_like(self.surface.rest)
+        gradient = self._potential.gradient(collisions, self._mesh, positions)
+        return np.asarray(-gradient.reshape(-1, 3))
+
+    def vertex_forces(self, y: FloatArray) -> FloatArray:
+        """(n_scale_vertices,) contact force on each scale vertex, as the length of a vector, N.
+
+        A scale meets some neighbors itself, and others where one of its images meets a home scale.
+        """
+        vertices = self.surface.vertices
+        return np.bincount(vertices, np.linalg.norm(self.forces(y), axis=1))
+
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the home scales' vertices, as lengths of vectors, N."""
-        gradient = np.zeros_like(y)
-        self.add_gradient(y, gradient)
-        rows = self.surface.rows[: self.surface.n_home]
-        return float(np.linalg.norm(gradient[rows], axis=1).sum())
+        return float(np.linalg.norm(self.forces(y)[: self.surface.n_home], axis=1).sum())
+
+
+def _expand(weights: sp.csr_array, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Columns and weights of some rows of a CSR matrix, and the entry of `rows` each is for."""
+    counts = np.diff(weights.indptr)[rows]
+    entry = np.repeat(np.arange(len(rows)), counts)
+    place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    place += weights.indptr[rows][entry]
+    return weights.indices[place].astype(np.int64), entry, weights.data[place]

@@ -44,6 +44,9 @@ class PairEnergy(Protocol):
     def pair_blocks(self, y: FloatArray, project: bool = False) -> tuple[IntArray, FloatArray]:
         """Pairs (n, 2) of rows, a <= b, and blocks (n, 3, 3) of d2E/dy2 or its positive part."""
 
+    def near_pairs(self, y: FloatArray) -> IntArray:
+        """Pairs (n, 2) of rows, a <= b, that have blocks here or may have at states nearby."""
+
 
 #: What of a Hessian is replaced by its positive part, for a search direction.
 NOTHING, CONTACT, ALL = "nothing", "contact", "all"

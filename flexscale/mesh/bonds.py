@@ -15,28 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexscale.errors import MeshError
+from flexscale.mesh.patches import fit_affine, quadratic_values
 from flexscale.mesh.periodic_mesh import FloatArray, IntArray, PeriodicMesh
 from flexscale.simplices import TRIANGLE_EDGES
 
 TOLERANCE = 1e-7  # in barycentric coordinates: a point this far outside still is on the triangle
-FINEST = 0.25  # of the radius: base triangles are cut down to this size before they are integrated
-ROUNDING = 1e-6  # mirror images must be cut alike although their lengths differ in the last bits
-
-# Six points, exact to degree 4, alike under every exchange of corners (Dunavant 1985).
-_A, _B = 0.445948490915965, 0.091576213509771
-_RULE = np.array(
-    [[a if i != k else 1.0 - 2.0 * a for i in range(3)] for a in (_A, _B) for k in range(3)]
-)
-_RULE_WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
-# Corners of the four quarters of a triangle, in its own barycentric coordinates.
-_QUARTERS = 0.5 * np.array(
-    [
-        [[2, 0, 0], [1, 1, 0], [1, 0, 1]],
-        [[1, 1, 0], [0, 2, 0], [0, 1, 1]],
-        [[1, 0, 1], [0, 1, 1], [0, 0, 2]],
-        [[1, 1, 0], [0, 1, 1], [1, 0, 1]],
-    ]
-)
 
 _Row = tuple[IntArray, FloatArray, FloatArray]
 
@@ -119,54 +102,14 @@ class _Base:
         values, gradients = shares[inside], self.slopes[inside]
         if self.quadratic:
             gradients = _quadratic_gradients(values, gradients)
-            values = _quadratic_values(values)
+            values = quadratic_values(values)
         forms = np.concatenate([values[..., None], gradients], axis=2) / np.count_nonzero(inside)
         return _merge_row(self.triangles[inside], forms)
 
     def row_around(self, point: FloatArray, radius: float) -> _Row:
         """The affine motion (X0, G) that fits the base best within `radius` of a point."""
-        arms = (self.corners - point) / radius
-        owner, shares, areas = _cut_near_origin(arms)
-        places = np.einsum("nk,nkd->nd", shares, arms[owner])
-        weights = areas * np.maximum(1.0 - np.sum(places**2, axis=1), 0.0) ** 2
-        modes = np.column_stack([np.ones(len(places)), places])
-        weighted = weights[:, None] * modes
-        fit = np.linalg.solve(modes.T @ weighted, weighted.T)  # (3, n): (X0, radius G) from x(q)
-        fit[1:] /= radius
-        values = _quadratic_values(shares) if self.quadratic else shares
-        near, slot = np.unique(owner, return_inverse=True)
-        forms = np.zeros((len(near), values.shape[1], 3))
-        np.add.at(forms, slot, values[:, :, None] * fit.T[:, None, :])
+        near, forms = fit_affine(self.corners, point, radius, self.quadratic)
         return _merge_row(self.triangles[near], forms)
-
-
-def _cut_near_origin(corners: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Quadrature points of triangles (n, 3, 2) over the unit disc, fine on its scale.
-
-    Returns
-    -------
-    owner (m,) triangle of each point, shares (m, 3) its barycentric coordinates there, and areas
-    (m,). Triangles clear of the disc have no points.
-    """
-    owner = np.arange(len(corners))
-    pieces = np.tile(np.eye(3), (len(corners), 1, 1))  # corners in their owner's coordinates
-    owners, shares, areas = [], [], []
-    while len(owner):
-        placed = pieces @ corners[owner]
-        middle = placed.mean(axis=1)
-        extent = np.linalg.norm(placed - middle[:, None], axis=2).max(axis=1)
-        near = np.linalg.norm(middle, axis=1) < 1.0 + extent
-        owner, pieces, placed = owner[near], pieces[near], placed[near]
-        edges = placed - np.roll(placed, 1, axis=1)
-        fine = np.linalg.norm(edges, axis=2).max(axis=1) <= FINEST * (1.0 + ROUNDING)
-        u, v = edges[fine, 1], edges[fine, 2]
-        area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        owners.append(np.repeat(owner[fine], len(_RULE)))
-        shares.append((_RULE @ pieces[fine]).reshape(-1, 3))
-        areas.append((area[:, None] * _RULE_WEIGHTS).ravel())
-        owner = np.repeat(owner[~fine], 4)
-        pieces = (_QUARTERS @ pieces[~fine][:, None]).reshape(-1, 3, 3)
-    return np.concatenate(owners), np.concatenate(shares), np.concatenate(areas)
 
 
 def _barycentric_gradients(corners: FloatArray) -> FloatArray:
@@ -175,14 +118,6 @@ def _barycentric_gradients(corners: FloatArray) -> FloatArray:
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     return np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1) / double[:, None, None]
-
-
-def _quadratic_values(shares: FloatArray) -> FloatArray:
-    """Quadratic shape functions (n, 6) at barycentric coordinates (n, 3)."""
-    start, end = np.transpose(TRIANGLE_EDGES)
-    return np.concatenate(
-        [shares * (2.0 * shares - 1.0), 4.0 * shares[:, start] * shares[:, end]], axis=1
-    )
 
 
 def _quadratic_gradients(shares: FloatArray, slopes: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from flexscale.errors import BadInputError
 from flexscale.plotting.raster import Surfaces, View
 from flexscale.plotting.selection import require_variables
-from flexscale.plotting.style import SCALE_COLOR, SUBSTRATE_COLOR
+from flexscale.plotting.style import CONTACT_COLOR, SCALE_COLOR, SUBSTRATE_COLOR
 
 SHAPE_VARIABLES = (
     "lattice",
@@ -61,7 +61,10 @@ def lattice_motions(
 
 
 def shape_surfaces(shape: xr.Dataset, sample: int, offsets: np.ndarray, camera: View) -> Surfaces:
-    """All lattice images of one sample in view coordinates; none if it has no result."""
+    """All lattice images of one sample in view coordinates; none if it has no result.
+
+    Faces of scales on which others press are marked.
+    """
     displacement = shape["displacement"].transpose("sample", "point", "space").values[sample]
     points = shape["points"].transpose("point", "space").values + displacement
     sheet, solid_faces = shape["triangles"].values, shape["surface_triangles"].values
@@ -76,7 +79,12 @@ def shape_surfaces(shape: xr.Dataset, sample: int, offsets: np.ndarray, camera: 
         float(shape["sample_direction"].values[sample]),
         float(shape["sample_curvature"].values[sample]),
     )
-    strong = np.array([to_rgb(SUBSTRATE_COLOR), to_rgb(SCALE_COLOR)])[(scale >= 0).astype(int)]
+    kind = (scale >= 0).astype(int)
+    if "contact_force" in shape:
+        pressed = shape["contact_force"].transpose("sample", "point").values[sample] > 0.0
+        kind[(scale >= 0) & pressed[triangles].any(axis=1)] = 2
+    palette = np.array([to_rgb(c) for c in (SUBSTRATE_COLOR, SCALE_COLOR, CONTACT_COLOR)])
+    strong = palette[kind]
     corners, colors, bodies = [], [], []
     n_scales = int(scale.max(initial=-1)) + 1
     for image, (offset, turn, shift) in enumerate(zip(offsets, *motions, strict=True)):

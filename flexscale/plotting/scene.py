@@ -25,6 +25,7 @@ from flexscale.plotting.raster import Surfaces, View, render
 from flexscale.plotting.selection import require_variables, subject
 from flexscale.plotting.style import (
     COLUMN_WIDTH,
+    CONTACT_COLOR,
     FAILED_COLOR,
     PAGE_WIDTH,
     SCALE_COLOR,
@@ -89,10 +90,12 @@ def cell(
             Patch(color=SCALE_COLOR, label="scales"),
             Patch(color=SUBSTRATE_COLOR, label="substrate"),
         ]
+        if "contact_force" in shape:
+            handles.append(Patch(color=CONTACT_COLOR, label="pressed by another scale"))
         figure.legend(
             handles=handles,
             loc="outside lower center",
-            ncols=2,
+            ncols=len(handles),
             title=f"strong: one unit cell; pale: {len(offsets) - 1} lattice images of it",
             title_fontsize=6,
         )

@@ -1,9 +1,12 @@
 """Newton's method with line search for an energy under the mean-offset constraint [Eqs. 8, 9].
 
 Each iteration factorizes the Hessian as it is. Only if it has negative eigenvalues on the
-constraint is it replaced, for the search direction alone, by one of projected element Hessians, and
-then damped on the diagonal until positive. A stationary point with negative eigenvalues is a
-saddle: it is left along its most negative mode.
+constraint is it changed, for the search direction alone: contact is replaced by its positive part,
+and modes that still curve downward are turned over (the saddle-free Newton step of Dauphin et al.
+2014, exact in the modes that matter, since the inertia tells how many there are). Where there are
+too many of them, all elements are replaced by their positive parts, and damped on the diagonal
+until positive. A stationary point with negative eigenvalues is a saddle: it is left along its most
+negative mode.
 """
 
 from __future__ import annotations
@@ -12,15 +15,16 @@ from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.sparse.linalg
 
 from flexscale.errors import ConfigError, suggest
 from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, FloatArray
 from flexscale.solve.constraint import ConstrainedSystem
+from flexscale.solve.negative_modes import negative_modes
 from flexscale.status import SolveStatus
 from flexscale.units import require_positive
 
 CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
+MOST_MODES = 12  # that curve downward and are turned over one by one
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 
 
@@ -102,6 +106,7 @@ class Solution:
     iterations : factorizations.
     residual_norm : Euclidean norm of the constrained gradient at z, N.
     negative_eigenvalues : of the unprojected Hessian on the constraint, at the last factorization.
+    saddles_left : stationary points with negative eigenvalues that were met and left on the way.
     """
 
     z: FloatArray
@@ -111,6 +116,7 @@ class Solution:
     iterations: int
     residual_norm: float
     negative_eigenvalues: int
+    saddles_left: int = 0
 
 
 @dataclass
@@ -168,17 +174,18 @@ def _newton(
         offset = float(constraint @ z[active])
         slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
         residual = float(np.linalg.norm(evaluation.gradient + slope * constraint))
-        return Solution(z, evaluation, multiplier, status, iterations, residual, negative)
+        return Solution(
+            z, evaluation, multiplier, status, iterations, residual, negative, escapes
+        )
 
     if not np.isfinite(evaluation.energy):
         return result(SolveStatus.infeasible_start, used)
     for iteration in range(used + 1, options.max_iterations + 1):
-        negative, regular = _factorize(problem, evaluation)
-        system = problem.system
-        offset = float(system.constraint @ z[active])
-        gradient = evaluation.gradient + penalty.slope(offset) * system.constraint
+        offset = float(problem.system.constraint @ z[active])
+        slope = penalty.slope(offset)
         target = -offset if penalty.rho == 0.0 else 0.0
-        step, mu = system.solve(-gradient, target, compliance)
+        step, mu, negative, regular = _direction(problem, evaluation, slope, target, compliance)
+        gradient = evaluation.gradient + slope * problem.system.constraint
         multiplier = -mu if penalty.rho == 0.0 else penalty.multiplier
         decrement = -float(gradient @ step)
         scale = abs(evaluation.energy)
@@ -202,20 +209,38 @@ def _newton(
     return result(SolveStatus.max_iterations, options.max_iterations)
 
 
-def _factorize(problem: Objective, evaluation: Any) -> tuple[int, bool]:
-    """Factorize; negative eigenvalues of the true Hessian, and whether it was used as it is."""
+def _direction(
+    problem: Objective, evaluation: Any, slope: float, target: float, compliance: float
+) -> tuple[FloatArray, float, int, bool]:
+    """A direction of descent, the change of the multiplier, and what the true Hessian is like.
+
+    Returns
+    -------
+    step (n_active,), mu, negative eigenvalues of the true Hessian, whether it was used as it is.
+    """
     values = problem.hessian_values(evaluation)
-    negative = problem.system.factorize(values)
-    if negative <= 0:
-        return negative, True
-    for project in (CONTACT, ALL):
-        values = problem.hessian_values(evaluation, project)
-        if problem.system.factorize(values) <= 0:
-            return negative, False
-    damping = 1e-8
+    system = problem.system
+    negative = remaining = system.factorize(values)
+    gradient = evaluation.gradient + slope * system.constraint
+    if negative > 0:
+        projected = problem.hessian_values(evaluation, CONTACT)
+        if not np.array_equal(projected, values):
+            remaining = system.factorize(projected)
+    if remaining > MOST_MODES:
+        _factorize_positive(problem, evaluation)
+        remaining = 0
+    step, mu = system.solve(-gradient, target, compliance)
+    if remaining > 0:
+        curvatures, modes = negative_modes(system, remaining, compliance)
+        step += modes @ (2.0 * (modes.T @ gradient) / curvatures)
+    return step, mu, negative, negative <= 0
+
+
+def _factorize_positive(problem: Objective, evaluation: Any) -> None:
+    values = problem.hessian_values(evaluation, ALL)
+    damping = 0.0
     while problem.system.factorize(values, damping) > 0 and damping < 1e4:
-        damping *= 10.0
-    return negative, False
+        damping = max(1e-8, 10.0 * damping)
 
 
 def _search(
@@ -254,16 +279,11 @@ def _leave_saddle(
     problem: Objective, evaluation: Any, z: FloatArray, scale: float
 ) -> tuple[FloatArray, Any]:
     """Step along the most negative mode until the energy is lower than at the saddle."""
-    values = problem.hessian_values(evaluation)
-    system = problem.system
-    system.factorize(values)
-    n = len(problem.active)
-    inverse = scipy.sparse.linalg.LinearOperator((n, n), matvec=lambda r: system.solve(r)[0])
-    start = np.random.default_rng(0).standard_normal(n)
-    values, modes = scipy.sparse.linalg.eigsh(inverse, k=1, which="SA", v0=start, tol=1e-3)
-    mode, stiffness = modes[:, 0], 1.0 / float(values[0])
-    if stiffness >= 0.0:
+    problem.system.factorize(problem.hessian_values(evaluation))
+    curvatures, modes = negative_modes(problem.system, 1)
+    if not len(curvatures):
         return z, evaluation
+    mode, stiffness = modes[:, 0], float(curvatures[0])
     length = np.sqrt(1e-4 * scale / -stiffness)
     best = (z, evaluation)
     for _ in range(12):

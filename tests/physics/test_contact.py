@@ -165,14 +165,14 @@ def test_no_scale_passes_through_another(pattern, degrees):
     for sample in samples:
         bend = Bend(sample["curvature"], float(np.radians(degrees)))
         y = problem.embedding.world_map.place(sample["state"], bend).y
-        points = y[surface.rows]
+        points = problem.contact.positions(y)
         assert not surfaces_intersect(points, surface.triangles, surface.bodies)
         assert sample["min_gap"] > 0.0
     # The test can see one: without contact the same cell overlaps.
     free = CellProblem.from_pattern(pattern(), COARSE, contact=fs.ContactOptions(enabled=False))
     (sample,) = follow_line(free, Line("closing", degrees, (0.02,)), SolverOptions())
     y = free.embedding.world_map.place(sample["state"], Bend(0.02, float(np.radians(degrees)))).y
-    assert surfaces_intersect(y[surface.rows], surface.triangles, surface.bodies)
+    assert surfaces_intersect(problem.contact.positions(y), surface.triangles, surface.bodies)
 
 
 def test_derivatives_of_the_touching_cell():

@@ -1,0 +1,30 @@
+"""Modes along which a constrained energy curves downward, from a factorization of its Hessian."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse.linalg
+
+from flexscale.mechanics.energy import FloatArray
+from flexscale.solve.constraint import ConstrainedSystem
+
+
+def negative_modes(
+    system: ConstrainedSystem, count: int, compliance: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """The `count` eigenpairs of the factorized H on c.dz = 0 that lie closest below zero.
+
+    Lanczos iteration on the inverse, whose most negative eigenvalues they are.
+
+    Returns
+    -------
+    curvatures : (k,) negative eigenvalues, k <= count. modes : (n, k), orthonormal.
+    """
+    n = len(system.constraint)
+    inverse = scipy.sparse.linalg.LinearOperator(
+        (n, n), matvec=lambda r: system.solve(r, 0.0, compliance)[0]
+    )
+    start = np.random.default_rng(0).standard_normal(n)
+    values, modes = scipy.sparse.linalg.eigsh(inverse, k=count, which="SA", v0=start, tol=1e-3)
+    downward = values < 0.0
+    return 1.0 / values[downward], modes[:, downward]

@@ -2,9 +2,10 @@
 
     python benchmarks/newton_iteration.py [--output FILE]
 
-One thread; medians over repetitions at a bent state, compilation left out. "Energies" are value,
-gradient and element Hessians; "assembly" pulls them back to the unknowns and adds them into the
-sparse matrix.
+One thread; medians over repetitions at bent states before and in contact, compilation left out.
+"Contact" is all that contact adds: search for close pairs, energy, gradient and Hessian, and the
+step that nothing passes through. "Assembly" pulls element Hessians back to the unknowns and adds
+them into the sparse matrix.
 """
 
 from __future__ import annotations
@@ -20,9 +21,11 @@ import numpy as np
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.line import Line, follow_line
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 
-CURVATURE, DIRECTION = 0.005, float(np.radians(20.0))
+CURVATURE, TOUCHING, DEGREES = 0.005, 0.015, 20.0
+DIRECTION = float(np.radians(DEGREES))
 
 
 def milliseconds(work: Callable[[], object], repetitions: int = 9) -> float:
@@ -36,17 +39,37 @@ def milliseconds(work: Callable[[], object], repetitions: int = 9) -> float:
     return 1e3 * statistics.median(times)
 
 
-def split(problem: CellProblem) -> dict[str, float]:
+def split(problem: CellProblem, curvature: float) -> dict[str, float]:
     """Milliseconds of the parts of one iteration."""
-    cell = problem.bent(Bend(CURVATURE, DIRECTION))
-    solution = solve_equilibrium(cell, problem.embedding.rest, SolverOptions())
-    state, pull_back = solution.evaluation, problem.pull_back
+    line = Line("closing", DEGREES, (0.5 * curvature, 0.8 * curvature, curvature))
+    z = list(follow_line(problem, line, SolverOptions()))[-1]["state"]
+    cell, pull_back, contact = (
+        problem.bent(line.bend(curvature)),
+        problem.pull_back,
+        problem.contact,
+    )
+    state = cell.evaluate(z)
     blocks = pull_back.pair_blocks(state.world.y)
     second = problem.embedding.world_map.second_order(state.z, cell.bend, state.world, state.forces)
     values = cell.hessian_values(state)
+
+    def touch() -> None:
+        y = state.world.y.copy()  # contact keeps what it found at the very same array
+        contact.energy_parts(y)
+        contact.add_gradient(y, np.zeros_like(y))
+        contact.pair_blocks(y)
+        contact.free_share(state.world.y, y)
+
+    def elements() -> None:
+        problem.embedding.world_map.place(z, cell.bend)
+        for energy in problem.energies:
+            energy.energy_parts(state.world.y)
+            energy.add_gradient(state.world.y, np.zeros_like(state.world.y))
+            energy.hessian_blocks(state.world.y)
+
     parts = {
-        "energy and gradient": milliseconds(lambda: cell.evaluate(state.z)),
-        "element Hessians": milliseconds(lambda: pull_back.pair_blocks(state.world.y)),
+        "contact": milliseconds(touch),
+        "energies, gradients, element Hessians": milliseconds(elements),
         "assembly": milliseconds(
             lambda: pull_back.hessian(state.world, blocks, state.forces, second)
         ),
@@ -54,7 +77,19 @@ def split(problem: CellProblem) -> dict[str, float]:
         "solves": milliseconds(lambda: problem.system.solve(state.gradient)),
     }
     parts["sum"] = sum(parts.values())
+    parts["contact's share, %"] = 100.0 * parts["contact"] / parts["sum"]
+    parts["sum / factorization"] = parts["sum"] / parts["factorization"]
     return parts
+
+
+def iteration_counts(problem: CellProblem) -> list[str]:
+    """Newton iterations per sample along one line: before contact, in contact, largest."""
+    curvatures = (0.001, 0.003, 0.006, 0.009, 0.012, 0.015, 0.02)
+    line = Line("closing", DEGREES, curvatures)
+    samples = list(follow_line(problem, line, SolverOptions()))
+    touching = np.array([sample["contact_pairs"] > 0 for sample in samples])
+    counts = np.array([sample["newton_iterations"] for sample in samples])
+    return [f"{counts[~touching].mean():.1f}", f"{counts[touching].mean():.1f}", str(counts.max())]
 
 
 def constraint_times(problem: CellProblem) -> list[str]:
@@ -80,12 +115,18 @@ def main() -> None:
     parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
     output = parser.parse_args().output
     problems = {f: CellProblem.from_pattern(fs.Pattern(fs.Tiling(f))) for f in ("IH76", "IH20")}
-    splits = {family: split(problem) for family, problem in problems.items()}
-    rows = ["| ms per Newton iteration | IH76 squares | IH20 hexagons |", "|---|---|---|"]
-    sizes = " | ".join(str(len(problem.active)) for problem in problems.values())
+    states = [("IH76", CURVATURE), ("IH76", TOUCHING), ("IH20", CURVATURE), ("IH20", TOUCHING)]
+    splits = [split(problems[family], curvature) for family, curvature in states]
+    names = [f"{family}, {'in' if k == TOUCHING else 'before'} contact" for family, k in states]
+    rows = ["| ms per Newton iteration | " + " | ".join(names) + " |", "|---|---|---|---|---|"]
+    sizes = " | ".join(str(len(problems[family].active)) for family, _ in states)
     rows.append(f"| (unknowns) | {sizes} |")
-    for part in splits["IH76"]:
-        rows.append(f"| {part} | " + " | ".join(f"{s[part]:.1f}" for s in splits.values()) + " |")
+    for part in splits[0]:
+        rows.append(f"| {part} | " + " | ".join(f"{s[part]:.1f}" for s in splits) + " |")
+    rows += ["", "| Newton iterations per sample | before contact | in contact | largest |"]
+    rows.append("|---|---|---|---|")
+    for family, problem in problems.items():
+        rows.append(f"| {family}, {DEGREES:g}° | " + " | ".join(iteration_counts(problem)) + " |")
     rows += ["", "| constraint | bordered | augmented Lagrangian | largest difference |"]
     rows.append("|---|---|---|---|")
     for family, problem in problems.items():

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from flexscale.embedding import pull_kernels as kernels
 from flexscale.embedding.world_map import SecondOrder, World, WorldMap
@@ -26,6 +27,8 @@ from flexscale.mechanics.energy import (
     block_pairs,
     project_blocks,
 )
+
+SlotArray = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -164,7 +167,7 @@ class PullBack:
         upper.sort_indices()
         return upper.indptr.astype(np.int64), upper.indices.astype(np.int64)
 
-    def _find_slots(self) -> tuple[IntArray, IntArray, IntArray]:
+    def _find_slots(self) -> tuple[SlotArray, SlotArray, SlotArray]:
         """Slots of pairs, images and slides; the one past the end takes what is not kept."""
         m, position = self.world_map, self._position
         self._pair_indptr, pair_slots = self._pair_slots(self._pairs)
@@ -183,7 +186,7 @@ class PullBack:
         )
         return pair_slots, image_slots, slide_slots
 
-    def _pair_slots(self, pairs: IntArray) -> tuple[IntArray, IntArray]:
+    def _pair_slots(self, pairs: IntArray) -> tuple[IntArray, SlotArray]:
         """Where the entries of each pair begin (n + 1,), and their slots."""
         row_indptr = self.world_map.indptr
         widths = np.diff(row_indptr)

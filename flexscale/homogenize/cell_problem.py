@@ -10,6 +10,7 @@ from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
+from flexscale.errors import PatternError
 from flexscale.mechanics.contact import ScaleContact, barrier_stiffness
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray
@@ -140,6 +141,10 @@ class CellProblem:
     part_names : names of the energy parts.
     area : rest area of the cell, mm2.
     system : factorizes on the present pattern of nonzeros, which contact may enlarge.
+
+    Raises
+    ------
+    PatternError : scales touch or intersect at rest.
     """
 
     def __init__(self, mesh: PeriodicMesh, model: CellModel) -> None:
@@ -153,6 +158,7 @@ class CellProblem:
         if self.contact is not None:
             self.part_names += self.contact.part_names
         self.active = self.embedding.active
+        self._check_start()
         self.pull_back = PullBack(
             self.embedding.world_map,
             self.energies,
@@ -165,6 +171,23 @@ class CellProblem:
         sheet = model.substrate_material.young_modulus * model.substrate_thickness
         scales = model.scale_material.young_modulus * mesh.scale_height
         self.energy_floor = self.area * (1e-24 * sheet + 1e-29 * scales)
+
+    def _check_start(self) -> None:
+        if self.contact is None:
+            return
+        y = self.embedding.world_map.place(self.embedding.rest, Bend(0.0, 0.0)).y
+        reach = self.contact.activation_distance
+        apart = self.contact.smallest_distance(y, reach)
+        if self.contact.intersects(y):
+            raise PatternError(
+                "Scales of this cell cut through one another before it is bent: its mesh cannot "
+                "be used with contact. Make the cell from a pattern, or leave contact out."
+            )
+        if apart <= reach:
+            raise PatternError(
+                f"Two scales are {apart:.3g} mm apart before the sheet is bent, but contact starts "
+                f"at {reach:.3g} mm: lower the contact activation, or widen the gap."
+            )
 
     @classmethod
     def from_pattern(

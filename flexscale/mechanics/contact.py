@@ -198,7 +198,8 @@ class ScaleContact:
         A scale meets some neighbors itself, and others where one of its images meets a home scale.
         """
         vertices = self.surface.vertices
-        return np.bincount(vertices, np.linalg.norm(self.forces(y), axis=1))
+        lengths = np.linalg.norm(self.forces(y), axis=1)
+        return np.bincount(vertices, lengths).astype(float)
 
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the home scales' vertices, as lengths of vectors, N."""

@@ -174,9 +174,7 @@ def _newton(
         offset = float(constraint @ z[active])
         slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
         residual = float(np.linalg.norm(evaluation.gradient + slope * constraint))
-        return Solution(
-            z, evaluation, multiplier, status, iterations, residual, negative, escapes
-        )
+        return Solution(z, evaluation, multiplier, status, iterations, residual, negative, escapes)
 
     if not np.isfinite(evaluation.energy):
         return result(SolveStatus.infeasible_start, used)

@@ -6,14 +6,18 @@ mesh is coarse.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.errors import PatternError
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.shell_law import membrane_energy
+from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
 from tests.derivatives import directional_difference, multiply_upper, relative_error
@@ -98,6 +102,71 @@ def test_onset_of_closing(pattern, degrees):
     curvatures = expected * np.array([0.5, 0.9, 1.02, 1.04, 1.06])
     _, samples = solve_line(rigid, "closing", degrees, curvatures)
     assert kink(samples)[0] == pytest.approx(expected, rel=0.03)
+
+
+def bricks(length: float, width: float, **changes) -> Pattern:
+    tile = np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]])
+    return Pattern.from_polygons([tile], (length, 0.0), (0.5 * length, width), **changes)
+
+
+@pytest.mark.slow
+def test_onset_of_opening():
+    """Convex scales meet when opening too: long bricks, bent obliquely. Within 3 %.
+
+    Bricks of 12 x 3 mm, 10 mm high; lower ones turn the sheet between them so far out of its plane
+    that the formula, which leaves its stretch out, no longer holds.
+    """
+    rigid = bricks(12.0, 3.0, scale_height=10.0, scale_material=RIGID)
+    oblique = 0.5 * np.degrees(np.arctan(2.0))  # 31.7 degrees: where the formula's product is least
+    expected = predicted_onset(rigid, oblique, "opening")
+    _, samples = solve_line(
+        rigid, "opening", oblique, expected * np.array([0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.0])
+    )
+    gaps, curvatures = ([s[name] for s in samples[-2:]] for name in ("min_gap", "curvature"))
+    assert samples[-1]["contact_pairs"] == 0
+    rate = (gaps[0] - gaps[1]) / (curvatures[1] - curvatures[0])
+    onset = curvatures[1] + gaps[1] / rate
+    assert onset == pytest.approx(expected, rel=0.03)
+
+
+ARROW = np.array([[-5, 10], [0, 0], [5, 10], [5, 20], [0, 10], [-5, 20]], dtype=float)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("side", ["closing", "opening"])
+def test_arrows_lock_to_both_sides(side):
+    """Concave scales, bent to 0.03 /mm where they interlock: converged, free of intersections."""
+    pattern = Pattern.from_polygons([ARROW], (10.0, 0.0), (0.0, 10.0), gap=0.3)
+    problem = CellProblem.from_pattern(pattern)
+    line = Line(side, 31.7, (0.006, 0.012, 0.018, 0.024, 0.027, 0.03))
+    samples = list(follow_line(problem, line, SolverOptions()))
+    surface = problem.contact.surface
+    assert [sample["status"] for sample in samples] == [0] * len(samples)
+    assert samples[-1]["contact_pairs"] > 0
+    for sample in samples:
+        y = problem.embedding.world_map.place(sample["state"], line.bend(sample["curvature"])).y
+        points = problem.contact.positions(y)
+        assert not surfaces_intersect(points, surface.triangles, surface.bodies)
+
+
+def test_barrier_is_stiffened_where_scales_press_hard():
+    """A barrier far too soft lets scales nearly meet; the next samples are kept further apart."""
+    curvatures = (0.006, 0.0095, 0.0115, 0.0125, 0.0135)
+    _, samples = solve_line(hexagon(), "closing", 0.0, curvatures, stiffness=1e-3)
+    stiffness = np.array([sample["barrier_stiffness"] for sample in samples])
+    share = np.array([sample["min_gap"] for sample in samples]) / (0.005 * GAP)
+    assert share[2] < 0.1  # it did press hard
+    assert (np.diff(stiffness)[share[:-1] < 0.1] > 0.0).all()
+    assert share[-1] > share[2]
+
+
+def test_scales_that_touch_at_rest_are_refused():
+    mesh = build_mesh(hexagon(), COARSE)
+    model = CellModel.of_pattern(hexagon())
+    closer = mesh.scale_positions.copy()
+    closer[:, :2] *= 1.0 + 0.3995 / 10.0  # scales grow into the gap on all sides
+    with pytest.raises(PatternError, match=r"before (the sheet|it) is bent"):
+        CellProblem(replace(mesh, scale_positions=closer), model)
 
 
 def lever_moment(kappa: float, distance: float) -> float:

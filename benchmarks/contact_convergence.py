@@ -1,0 +1,75 @@
+"""Squares in contact: the moment against scale mesh, contact edge, and the barrier's two numbers.
+
+    python benchmarks/contact_convergence.py [--output FILE]
+
+PETG squares bent along a side, closing: moments behind the onset and the slope between the last two
+samples in units of D. Pressed at points (edge 0) a scale gives way the more the finer its mesh;
+pressed over the contact edge it does not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import flexscale as fs
+from flexscale.homogenize.cell_problem import CellProblem, plate_stiffness
+from flexscale.homogenize.line import Line, follow_line
+from flexscale.solve.newton import SolverOptions
+
+CURVATURES = (0.006, 0.009, 0.011, 0.013, 0.016, 0.02)
+D = plate_stiffness(fs.TPU, 0.4)
+LAYERED = fs.MeshOptions(layer_growth=1.0)
+
+HEADER = (
+    "| scales | edge, mm | d_hat, gap | stiffness | M(0.011), N | M(0.013) | M(0.016) | M(0.02) "
+    "| slope, 10³ D | unknowns | s |"
+)
+
+
+def measure(name: str, mesh: fs.MeshOptions, contact: fs.ContactOptions) -> str:
+    """One row: the curve on one mesh."""
+    start = time.perf_counter()
+    problem = CellProblem.from_pattern(fs.Pattern(fs.Tiling("IH76")), mesh, contact=contact)
+    line = Line("closing", 0.0, CURVATURES)
+    samples = list(follow_line(problem, line, SolverOptions()))
+    seconds = time.perf_counter() - start
+    moments = [sample.get("moment", float("nan")) for sample in samples]
+    slope = (moments[-1] - moments[-2]) / (CURVATURES[-1] - CURVATURES[-2]) / D
+    cells = [name, f"{contact.edge:g}", f"{contact.activation:g}", f"{contact.stiffness:g}"]
+    cells += [f"{moment:.3f}" for moment in moments[2:]]
+    cells += [f"{1e-3 * slope:.2f}", str(len(problem.active)), f"{seconds:.0f}"]
+    row = "| " + " | ".join(cells) + " |"
+    print(row, flush=True)
+    return row
+
+
+def main() -> None:
+    """Print the table, and write it if asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, help="write the table to this Markdown file too")
+    output = parser.parse_args().output
+    default = fs.ContactOptions()
+    cases = [
+        (f"{layers} layers", replace(LAYERED, scale_layers=layers), replace(default, edge=edge))
+        for edge in (0.0, default.edge)
+        for layers in (1, 2, 4, 8)
+    ]
+    fine = replace(LAYERED, scale_layers=8, scale_corner=0.45, scale_rim=0.2, scale_strips=2)
+    cases += [("8 layers, fine rim", fine, replace(default, edge=e)) for e in (0.0, default.edge)]
+    mesh = fs.MeshOptions()
+    cases += [("default", mesh, replace(default, edge=edge)) for edge in (0.0, 0.25, 0.4, 0.5)]
+    cases += [("default", mesh, replace(default, activation=0.0025))]
+    cases += [("default", mesh, replace(default, stiffness=factor)) for factor in (0.1, 10.0)]
+    print(HEADER)
+    rows = [HEADER, "|" + "---|" * HEADER.count(" | ") + "---|"]
+    rows += [measure(*case) for case in cases]
+    if output:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text("\n".join(rows) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -10,10 +10,8 @@ does, and with S_xy held at 0.
 
 from __future__ import annotations
 
-import argparse
-from pathlib import Path
-
 import numpy as np
+from report import output_file, report
 
 import flexscale as fs
 from flexscale.embedding.pull_back import PullBack
@@ -41,9 +39,7 @@ def hold_shear(problem: CellProblem) -> None:
 
 def main() -> None:
     """Print the samples whose energies differ by more than 0.1 %, and how many were compared."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, help="write the table to this Markdown file too")
-    output = parser.parse_args().output
+    output = output_file(__doc__)
     rows, compared, failed, largest = [HEADER, "|" + "---|" * 8], 0, 0, 0.0
     for family in ("IH76", "IH20"):
         free, held = (CellProblem.from_pattern(fs.Pattern(fs.Tiling(family))) for _ in range(2))
@@ -72,10 +68,7 @@ def main() -> None:
                         )
     rows += ["", f"{compared} samples compared, {failed} not converged on one of the branches; "]
     rows[-1] += f"largest relative difference in energy {100 * largest:.3f} %."
-    print("\n".join(rows))
-    if output:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text("\n".join(rows) + "\n")
+    report(rows, output)
 
 
 if __name__ == "__main__":

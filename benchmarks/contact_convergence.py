@@ -9,10 +9,10 @@ pressed over the contact edge it does not.
 
 from __future__ import annotations
 
-import argparse
 import time
 from dataclasses import replace
-from pathlib import Path
+
+from report import output_file, report
 
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem, plate_stiffness
@@ -48,9 +48,7 @@ def measure(name: str, mesh: fs.MeshOptions, contact: fs.ContactOptions) -> str:
 
 def main() -> None:
     """Print the table, and write it if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, help="write the table to this Markdown file too")
-    output = parser.parse_args().output
+    output = output_file(__doc__)
     default = fs.ContactOptions()
     cases = [
         (f"{layers} layers", replace(LAYERED, scale_layers=layers), replace(default, edge=edge))
@@ -66,9 +64,7 @@ def main() -> None:
     print(HEADER)
     rows = [HEADER, "|" + "---|" * HEADER.count(" | ") + "---|"]
     rows += [measure(*case) for case in cases]
-    if output:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text("\n".join(rows) + "\n")
+    report(rows, output)
 
 
 if __name__ == "__main__":

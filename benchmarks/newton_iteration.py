@@ -10,13 +10,12 @@ them into the sparse matrix.
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
+from report import output_file, report
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
@@ -111,9 +110,7 @@ def constraint_times(problem: CellProblem) -> list[str]:
 
 def main() -> None:
     """Print the tables, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    output = parser.parse_args().output
+    output = output_file(__doc__)
     problems = {f: CellProblem.from_pattern(fs.Pattern(fs.Tiling(f))) for f in ("IH76", "IH20")}
     states = [("IH76", CURVATURE), ("IH76", TOUCHING), ("IH20", CURVATURE), ("IH20", TOUCHING)]
     splits = [split(problems[family], curvature) for family, curvature in states]
@@ -131,10 +128,7 @@ def main() -> None:
     rows.append("|---|---|---|---|")
     for family, problem in problems.items():
         rows.append(f"| {family} | " + " | ".join(constraint_times(problem)) + " |")
-    print("\n".join(rows))
-    if output:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text("\n".join(rows) + "\n")
+    report(rows, output)
 
 
 if __name__ == "__main__":

@@ -10,11 +10,11 @@ Times are of one thread if `OMP_NUM_THREADS=1` is set; contact is switched off.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+
+from report import output_file, report
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
@@ -119,9 +119,7 @@ def table(title: str, first: str, results: Iterable[tuple[str, Result]]) -> list
 
 def main() -> None:
     """Print all tables, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    output = parser.parse_args().output
+    output = output_file(__doc__)
     solve_tangent(CellProblem.from_pattern(fs.Pattern(fs.Tiling("IH76"))))  # compiles
     rows = ["# Bending stiffness at rest against the mesh", ""]
     rows += table(
@@ -147,11 +145,7 @@ def main() -> None:
         "mesh",
         ((name, measure(mesh, fs.PETG, BOND_RADIUS)) for name, mesh in meshes.items()),
     )
-    text = "\n".join(rows)
-    print("\n" + text)
-    if output:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text)
+    report(rows, output)
 
 
 if __name__ == "__main__":

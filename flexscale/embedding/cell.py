@@ -223,10 +223,13 @@ class CellEmbedding:
         shape = (len(surface.vertices), len(used))
         weights = sp.csr_array((spread.data, columns, spread.indptr), shape=shape)
         rest = surface_rest(self.mesh, surface)
+        homes = zip(surface.vertices.tolist(), surface.offsets.tolist(), strict=True)
+        own = np.array([used.setdefault((v, *offset), len(used)) for v, offset in homes])
         return ContactSurface(
             places,
             weights,
             surface.vertices,
+            places[own],
             rest,
             surface.triangles,
             surface.bodies,

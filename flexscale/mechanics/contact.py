@@ -40,6 +40,7 @@ class ContactSurface:
     rows : (n_rows,) rows of the world vectors with the positions of scale vertices, each once.
     weights : (n, n_rows) of these rows in the surface's vertices; affine motions are reproduced.
     vertices : (n,) scale vertex that each vertex of the surface is, or is an image of.
+    own_rows : (n,) row of y with each such scale vertex itself.
     rest : (n, 3) rest positions of the surface's vertices, mm.
     triangles : (n_triangles, 3) vertices of this surface, outward.
     bodies : (n,) whole scale that a vertex belongs to; images are bodies of their own.
@@ -49,6 +50,7 @@ class ContactSurface:
     rows: IntArray
     weights: sp.csr_array
     vertices: IntArray
+    own_rows: IntArray
     rest: FloatArray
     triangles: IntArray
     bodies: IntArray
@@ -94,6 +96,10 @@ class ScaleContact:
     def positions(self, y: FloatArray) -> FloatArray:
         """(n, 3) world positions of the surface's vertices, mm."""
         return np.asfortranarray(self.surface.weights @ y[self.surface.rows])
+
+    def element_positions(self, y: FloatArray) -> FloatArray:
+        """(n, 3) world positions of the scale vertices as they are, the contact edge left out."""
+        return y[self.surface.own_rows]
 
     def _collisions(self, y: FloatArray) -> tuple[FloatArray, ipctk.NormalCollisions]:
         if self._found is None or self._found[0] is not y:

@@ -39,7 +39,7 @@ class Pattern:
 
     Attributes
     ----------
-    family : "IH20", "IH76" or "custom".
+    family : "IH01" to "IH93", or "custom".
     tiles : tuple of (n_i, 2) counterclockwise polygons, mm, one per lattice class. Every vertex of
         the tiling is a corner, also one in the middle of a straight edge.
     lattice : (2, 2) rows t1, t2, right-handed, mm.
@@ -210,6 +210,9 @@ class Pattern:
         config: dict[str, Any] = {"name": self.name, "family": self.family}
         if self.tiling:
             config["parameters"] = list(self.tiling.parameters)
+            if self.tiling.edges:
+                curves = self.tiling.edges
+                config["edges"] = {letter: curves[letter].tolist() for letter in sorted(curves)}
             config["tile_area"] = self.tile_area
         else:
             tiles, lattice = self._given
@@ -223,7 +226,8 @@ class Pattern:
         """Rebuild what `to_config` describes; sizes and materials left out take their defaults."""
         values = dict(config)
         family = values.pop("family", CUSTOM)
-        shape = {"tiles", "lattice"} if family == CUSTOM else {"parameters", "tile_area"}
+        of_family = {"parameters", "edges", "tile_area"}
+        shape = {"tiles", "lattice"} if family == CUSTOM else of_family
         for key in values:
             if key not in shape | {"name", *_SIZES, *_MATERIALS}:
                 raise PatternError(
@@ -234,7 +238,8 @@ class Pattern:
             if key in values:
                 values[key] = _material(key, values[key])
         if family != CUSTOM:
-            return cls(Tiling(family, values.pop("parameters", None)), **values)
+            tiling = Tiling(family, values.pop("parameters", None), values.pop("edges", None))
+            return cls(tiling, **values)
         if not shape <= values.keys():
             raise PatternError("A custom pattern needs the keys 'tiles' and 'lattice'.")
         tiles, lattice = values.pop("tiles"), values.pop("lattice")

@@ -148,7 +148,7 @@ def test_every_mistake_is_told_at_once() -> None:
 @pytest.mark.parametrize(
     ("content", "error"),
     [
-        (changed(family="IH07"), TilingError),
+        (changed(family="IH94"), TilingError),
         (changed(family="hexagon"), TilingError),
         (changed(gap=20), PatternError),
         (SMALL | {"sweep": {"directions": [0], "curvatures": [0, 0.25]}}, UnitRangeError),

@@ -10,12 +10,12 @@ from flexscale.patterns.cell import polygon_area
 from flexscale.tilings import Tiling, families
 
 
-@pytest.mark.parametrize("family", families())
+@pytest.mark.parametrize("family", [family.name for family in families()])
 def test_tiles_have_unit_area_and_fill_the_cell(family: str) -> None:
     tiling = Tiling(family)
     areas = [polygon_area(tile) for tile in tiling.tiles]
-    assert areas == pytest.approx([1.0] * len(areas), rel=1e-14)
-    assert np.linalg.det(tiling.lattice) == pytest.approx(sum(areas), rel=1e-14)
+    assert areas == pytest.approx([1.0] * len(areas), rel=1e-13)
+    assert np.linalg.det(tiling.lattice) == pytest.approx(sum(areas), rel=1e-13)
 
 
 def test_walls_of_the_hexagon_face_its_six_neighbors() -> None:
@@ -35,10 +35,9 @@ def test_side_of_the_square_lies_along_x() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"family": "IH07"}, ["IH07", "IH20, IH76", "from_polygons"]),
         ({"family": "IH94"}, ["'IH94'", "does not exist"]),
         ({"family": "ih20"}, ["Did you mean 'IH20'"]),
-        ({"family": "IH20", "parameters": [0.1]}, ["no free shape parameters", "1 were given"]),
+        ({"family": "IH20", "parameters": [0.1]}, ["has 0 free shape parameter", "1 were given"]),
         ({"family": "IH76", "edges": {"a": [(0, 0), (1, 0)]}}, ["'a'", "mirrors"]),
     ],
 )

@@ -15,6 +15,8 @@ from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
+from flexscale.tilings.drawn_symmetry import drawn_symmetry
+from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import require_positive, require_range
 
 CUSTOM = "custom"
@@ -184,6 +186,13 @@ class Pattern:
             outline = copy.placement.apply(self.prototiles[copy.prototile].outline)
             found.append(outline[::-1] if copy.placement.reverses else outline)
         return tuple(found)
+
+    def symmetry(self) -> DrawnSymmetry:
+        """Wallpaper group of the pattern as drawn, and the directions that bend differently.
+
+        Scales have one gap, height and material, so the symmetry of the tiles is that of the sheet.
+        """
+        return drawn_symmetry(self.tiles, self.lattice)
 
     def with_(self, **changes: Any) -> Pattern:
         """Copy with some constructor parameters changed.

@@ -11,6 +11,7 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from flexscale.errors import TilingError, suggest
 from flexscale.tilings.symbols import EdgeClass, IncidenceSymbol
@@ -56,26 +57,29 @@ class Family:
 
 
 @cache
-def _table() -> dict[str, Family]:
+def _table() -> dict[str, dict[str, Any]]:
     text = files("flexscale.tilings").joinpath("isohedral_types.json").read_text(encoding="utf-8")
-    return {
-        name: Family(
-            name=name,
-            net=tuple(entry["net"]),
-            symbol=entry["symbol"],
-            group=entry["group"],
-            stabiliser=entry["stabiliser"],
-            n_parameters=entry["parameters"],
-            edge_classes=IncidenceSymbol(entry["symbol"]).edge_classes,
-            needs_marking=not entry["unmarked"],
-        )
-        for name, entry in sorted(json.loads(text).items())
-    }
+    return dict(sorted(json.loads(text).items()))
+
+
+@cache
+def _family(name: str) -> Family:
+    entry = _table()[name]
+    return Family(
+        name=name,
+        net=tuple(entry["net"]),
+        symbol=entry["symbol"],
+        group=entry["group"],
+        stabiliser=entry["stabiliser"],
+        n_parameters=entry["parameters"],
+        edge_classes=IncidenceSymbol(entry["symbol"]).edge_classes,
+        needs_marking=not entry["unmarked"],
+    )
 
 
 def families() -> tuple[Family, ...]:
     """All 93 families, IH01 to IH93."""
-    return tuple(_table().values())
+    return tuple(_family(name) for name in _table())
 
 
 def find_family(name: str) -> Family:
@@ -86,7 +90,7 @@ def find_family(name: str) -> Family:
     TilingError : there is none.
     """
     if name in _table():
-        return _table()[name]
+        return _family(name)
     raise TilingError(
         f"Tiling family {name!r} does not exist: the 93 families are called IH01 to IH93. "
         f"{suggest(name, _table())}"

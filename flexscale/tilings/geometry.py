@@ -35,11 +35,13 @@ class FamilyGeometry:
     Attributes
     ----------
     symbol : parsed incidence symbol.
+    facing : degrees, direction of the outward normal of edge 0 of the Laves tile.
     group : motions and translations, as functions of the vertices.
     space : all tiles of the family.
     """
 
     symbol: IncidenceSymbol
+    facing: float
     group: FamilyGroup
     space: ShapeSpace
 
@@ -59,7 +61,7 @@ def family_geometry(name: str) -> FamilyGeometry:
     tile = laves_tile(net, facing)
     group = generate_group(symbol, net, tile, facing)
     motions = [(edges, edge_motion(net, facing, edges)) for edges in symbol.edge_motions]
-    return FamilyGeometry(symbol, group, build_shape_space(tile, motions))
+    return FamilyGeometry(symbol, facing, group, build_shape_space(tile, motions))
 
 
 def _facing(group: FamilyGroup, tile: FloatArray) -> float:

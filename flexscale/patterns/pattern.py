@@ -15,7 +15,7 @@ from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
-from flexscale.tilings.drawn_symmetry import drawn_symmetry
+from flexscale.tilings.drawn_symmetry import drawn_symmetry, primitive_cell
 from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import require_positive, require_range
 
@@ -89,8 +89,9 @@ class Pattern:
                 "Pattern.from_polygons for your own polygons."
             )
         factor = np.sqrt(require_positive(tile_area, "tile area", "mm²"))
-        lattice = factor * tiling.lattice
-        cell = build_cell([factor * tile for tile in tiling.tiles], *lattice)
+        # As drawn, the tiling of a type may repeat itself within the type's own cell.
+        tiles, lattice = primitive_cell(tiling.tiles, tiling.lattice)
+        cell = build_cell([factor * tile for tile in tiles], *(factor * lattice))
         sizes = (gap, scale_height, substrate_thickness, bond_radius)
         self._fill(cell, name or tiling.pattern_name, sizes, scale_material, substrate_material)
         self._set(family=tiling.family, tiling=tiling, tile_area=float(tile_area))
@@ -200,7 +201,7 @@ class Pattern:
         A `bond_radius` that was not given follows a changed `substrate_thickness`.
         """
         shape = {"tiling", "tile_area"} if self.tiling else set()
-        known = shape | {"name", *_SIZES, *_MATERIALS}
+        known = shape | {"name", *SIZES, *MATERIALS}
         for key in changes:
             if key not in known:
                 raise PatternError(
@@ -227,8 +228,8 @@ class Pattern:
             tiles, lattice = self._given
             config["tiles"] = [tile.tolist() for tile in tiles]
             config["lattice"] = lattice.tolist()
-        config |= {key: getattr(self, key) for key in _SIZES}
-        return config | {key: asdict(getattr(self, key)) for key in _MATERIALS}
+        config |= {key: getattr(self, key) for key in SIZES}
+        return config | {key: asdict(getattr(self, key)) for key in MATERIALS}
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Pattern:
@@ -238,12 +239,12 @@ class Pattern:
         of_family = {"parameters", "edges", "tile_area"}
         shape = {"tiles", "lattice"} if family == CUSTOM else of_family
         for key in values:
-            if key not in shape | {"name", *_SIZES, *_MATERIALS}:
+            if key not in shape | {"name", *SIZES, *MATERIALS}:
                 raise PatternError(
                     f"A pattern of family {family!r} has no key {key!r}. "
-                    f"{suggest(key, sorted(shape | {'name', *_SIZES, *_MATERIALS}))}"
+                    f"{suggest(key, sorted(shape | {'name', *SIZES, *MATERIALS}))}"
                 )
-        for key in _MATERIALS:
+        for key in MATERIALS:
             if key in values:
                 values[key] = _material(key, values[key])
         if family != CUSTOM:
@@ -268,8 +269,8 @@ class Pattern:
         )
 
 
-_SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
-_MATERIALS = ("scale_material", "substrate_material")
+SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
+MATERIALS = ("scale_material", "substrate_material")
 
 
 def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:

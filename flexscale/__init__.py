@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mesh.options import MeshOptions
     from flexscale.patterns.material import PETG, TPU, NeoHookean
+    from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
     from flexscale.solve.newton import SolverOptions
     from flexscale.tilings import Tiling, families
@@ -38,6 +39,8 @@ __all__ = [
     "between",
     "families",
     "fit",
+    "named_pattern",
+    "named_patterns",
     "open_registry",
     "plot",
     "sweep",
@@ -58,6 +61,8 @@ _HOMES = {
     "between": "flexscale.datasets.registry",
     "families": "flexscale.tilings",
     "fit": "flexscale.macro.fit",
+    "named_pattern": "flexscale.patterns.named",
+    "named_patterns": "flexscale.patterns.named",
     "open_registry": "flexscale.datasets.registry",
     "sweep": "flexscale.homogenize.sweep",
     "tangent_stiffness": "flexscale.homogenize.tangent",

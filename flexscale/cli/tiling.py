@@ -21,7 +21,7 @@ def list_(json: Json = False) -> None:
     """List the tiling families that patterns can be made of."""
     from flexscale.tilings import Tiling, families
 
-    tilings = [Tiling(name) for name in families()]
+    tilings = [Tiling(family.name) for family in families()]
     if json:
         import json as json_module
 

@@ -1,8 +1,20 @@
 """Scale patterns: polygons on a lattice, gap, sizes and materials."""
 
 from flexscale.patterns.material import PETG, TPU, NeoHookean
+from flexscale.patterns.named import NamedPattern, named_pattern, named_patterns
 from flexscale.patterns.pattern import Pattern
 from flexscale.patterns.prototiles import Prototile, TileCopy
 from flexscale.patterns.symmetry import Isometry
 
-__all__ = ["PETG", "TPU", "Isometry", "NeoHookean", "Pattern", "Prototile", "TileCopy"]
+__all__ = [
+    "PETG",
+    "TPU",
+    "Isometry",
+    "NamedPattern",
+    "NeoHookean",
+    "Pattern",
+    "Prototile",
+    "TileCopy",
+    "named_pattern",
+    "named_patterns",
+]

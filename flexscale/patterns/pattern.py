@@ -15,6 +15,8 @@ from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
+from flexscale.tilings.drawn_symmetry import drawn_symmetry, primitive_cell
+from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import require_positive, require_range
 
 CUSTOM = "custom"
@@ -39,7 +41,7 @@ class Pattern:
 
     Attributes
     ----------
-    family : "IH20", "IH76" or "custom".
+    family : "IH01" to "IH93", or "custom".
     tiles : tuple of (n_i, 2) counterclockwise polygons, mm, one per lattice class. Every vertex of
         the tiling is a corner, also one in the middle of a straight edge.
     lattice : (2, 2) rows t1, t2, right-handed, mm.
@@ -87,8 +89,9 @@ class Pattern:
                 "Pattern.from_polygons for your own polygons."
             )
         factor = np.sqrt(require_positive(tile_area, "tile area", "mm²"))
-        lattice = factor * tiling.lattice
-        cell = build_cell([factor * tile for tile in tiling.tiles], *lattice)
+        # As drawn, the tiling of a type may repeat itself within the type's own cell.
+        tiles, lattice = primitive_cell(tiling.tiles, tiling.lattice)
+        cell = build_cell([factor * tile for tile in tiles], *(factor * lattice))
         sizes = (gap, scale_height, substrate_thickness, bond_radius)
         self._fill(cell, name or tiling.pattern_name, sizes, scale_material, substrate_material)
         self._set(family=tiling.family, tiling=tiling, tile_area=float(tile_area))
@@ -185,13 +188,20 @@ class Pattern:
             found.append(outline[::-1] if copy.placement.reverses else outline)
         return tuple(found)
 
+    def symmetry(self) -> DrawnSymmetry:
+        """Wallpaper group of the pattern as drawn, and the directions that bend differently.
+
+        Scales have one gap, height and material, so the symmetry of the tiles is that of the sheet.
+        """
+        return drawn_symmetry(self.tiles, self.lattice)
+
     def with_(self, **changes: Any) -> Pattern:
         """Copy with some constructor parameters changed.
 
         A `bond_radius` that was not given follows a changed `substrate_thickness`.
         """
         shape = {"tiling", "tile_area"} if self.tiling else set()
-        known = shape | {"name", *_SIZES, *_MATERIALS}
+        known = shape | {"name", *SIZES, *MATERIALS}
         for key in changes:
             if key not in known:
                 raise PatternError(
@@ -210,31 +220,36 @@ class Pattern:
         config: dict[str, Any] = {"name": self.name, "family": self.family}
         if self.tiling:
             config["parameters"] = list(self.tiling.parameters)
+            if self.tiling.edges:
+                curves = self.tiling.edges
+                config["edges"] = {letter: curves[letter].tolist() for letter in sorted(curves)}
             config["tile_area"] = self.tile_area
         else:
             tiles, lattice = self._given
             config["tiles"] = [tile.tolist() for tile in tiles]
             config["lattice"] = lattice.tolist()
-        config |= {key: getattr(self, key) for key in _SIZES}
-        return config | {key: asdict(getattr(self, key)) for key in _MATERIALS}
+        config |= {key: getattr(self, key) for key in SIZES}
+        return config | {key: asdict(getattr(self, key)) for key in MATERIALS}
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Pattern:
         """Rebuild what `to_config` describes; sizes and materials left out take their defaults."""
         values = dict(config)
         family = values.pop("family", CUSTOM)
-        shape = {"tiles", "lattice"} if family == CUSTOM else {"parameters", "tile_area"}
+        of_family = {"parameters", "edges", "tile_area"}
+        shape = {"tiles", "lattice"} if family == CUSTOM else of_family
         for key in values:
-            if key not in shape | {"name", *_SIZES, *_MATERIALS}:
+            if key not in shape | {"name", *SIZES, *MATERIALS}:
                 raise PatternError(
                     f"A pattern of family {family!r} has no key {key!r}. "
-                    f"{suggest(key, sorted(shape | {'name', *_SIZES, *_MATERIALS}))}"
+                    f"{suggest(key, sorted(shape | {'name', *SIZES, *MATERIALS}))}"
                 )
-        for key in _MATERIALS:
+        for key in MATERIALS:
             if key in values:
                 values[key] = _material(key, values[key])
         if family != CUSTOM:
-            return cls(Tiling(family, values.pop("parameters", None)), **values)
+            tiling = Tiling(family, values.pop("parameters", None), values.pop("edges", None))
+            return cls(tiling, **values)
         if not shape <= values.keys():
             raise PatternError("A custom pattern needs the keys 'tiles' and 'lattice'.")
         tiles, lattice = values.pop("tiles"), values.pop("lattice")
@@ -254,8 +269,8 @@ class Pattern:
         )
 
 
-_SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
-_MATERIALS = ("scale_material", "substrate_material")
+SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
+MATERIALS = ("scale_material", "substrate_material")
 
 
 def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:

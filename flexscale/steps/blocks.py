@@ -11,8 +11,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
-from flexscale.errors import suggest
+from flexscale.errors import UnknownNameError, suggest
 from flexscale.patterns.material import PETG, TPU, NeoHookean
+from flexscale.patterns.named import find_named_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.quantities import declared, unit
 
@@ -74,13 +75,23 @@ class MaterialBlock(Block):
 
 Material = Annotated[MaterialBlock, BeforeValidator(_material)]
 Point = tuple[Length, Length]
+CurvePoint = tuple[Number, Number]
+#: What a name of the catalog stands for.
+_OF_NAME = ("family", "parameters", "edges", "tiles", "lattice")
 
 
 class PatternBlock(Block):
-    """Scale pattern: a tiling family, or polygons with two lattice vectors."""
+    """Scale pattern: a named one, a tiling family, or polygons with two lattice vectors.
 
+    A name stands for its family, parameters and edges, which take its place when read.
+    """
+
+    named: str | None = declared(None, "pattern of the catalog, such as pinwheel3")
     family: str | None = declared(None, "isohedral tiling family, such as IH20")
     parameters: tuple[Number, ...] | None = declared(None, "free shape parameters of the family")
+    edges: dict[str, tuple[CurvePoint, ...]] | None = declared(
+        None, "curve of an edge class of the family, points from (0, 0) to (1, 0)"
+    )
     tile_area: Area | None = declared(
         None,
         f"mean area of a family's tiles, {_default(Pattern, 'tile_area'):g} mm2 if left out",
@@ -105,19 +116,29 @@ class PatternBlock(Block):
         _default(Pattern, "substrate_material"), "material of the substrate, or PETG or TPU"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _name_stands_for_a_shape(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or not isinstance(data.get("named"), str):
+            return data
+        extra = sorted(key for key in _OF_NAME if data.get(key) is not None)
+        if extra:
+            raise _bad_shape([], extra)
+        try:
+            entry = find_named_pattern(data["named"])
+        except UnknownNameError as error:
+            raise PydanticCustomError("unknown_pattern", "{said}", {"said": str(error)}) from error
+        return data | {"named": None, "family": entry.family} | entry.shape
+
     @model_validator(mode="after")
     def _one_kind_of_shape(self) -> Self:
+        of_family = {"parameters", "edges", "tile_area"}
         shape = {"family"} if self.family is not None else {"tiles", "lattice"}
-        barred = {"tiles", "lattice"} if self.family is not None else {"parameters", "tile_area"}
+        barred = {"tiles", "lattice"} if self.family is not None else of_family
         missing = sorted(key for key in shape if getattr(self, key) is None)
         extra = sorted(key for key in barred if getattr(self, key) is not None)
         if missing or extra:
-            raise PydanticCustomError(
-                "pattern_shape",
-                "a pattern has either `family` (with `parameters` and `tile_area` if wanted) or "
-                "`tiles` with `lattice`: {problem}",
-                {"problem": _problem(missing, extra)},
-            )
+            raise _bad_shape(missing, extra)
         return self
 
     def build(self, name: str) -> Pattern:
@@ -126,6 +147,12 @@ class PatternBlock(Block):
         return Pattern.from_config(config | {"name": name})
 
 
-def _problem(missing: list[str], extra: list[str]) -> str:
+def _bad_shape(missing: list[str], extra: list[str]) -> PydanticCustomError:
     said = [f"{', '.join(missing)} missing"] if missing else []
-    return " and ".join(said + ([f"{', '.join(extra)} out of place"] if extra else []))
+    said += [f"{', '.join(extra)} out of place"] if extra else []
+    return PydanticCustomError(
+        "pattern_shape",
+        "a pattern has either `named`, or `family` (with `parameters` and `edges` if wanted), or "
+        "`tiles` with `lattice`: {problem}",
+        {"problem": " and ".join(said)},
+    )

@@ -1,65 +1,85 @@
-"""The tiling families that can be built, at unit tile area, in the pattern's coordinates."""
+"""The 93 isohedral families: what the list of Grünbaum and Shephard says about each.
+
+Twelve of the types can only be told apart from others by markings on the tiles: their edges are
+all mirrors, which makes the bare tile more symmetric than its type asks for. Their bare tiles can
+be built like the others.
+"""
 
 from __future__ import annotations
 
-import math
-import re
+import json
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from functools import cache
+from importlib.resources import files
+from typing import Any
 
 from flexscale.errors import TilingError, suggest
-
-FloatArray = NDArray[np.float64]
+from flexscale.tilings.symbols import EdgeClass, IncidenceSymbol
 
 
 @dataclass(frozen=True)
 class Family:
-    """One family of Grünbaum and Shephard's list, by its number there.
+    """One of the 93 isohedral types of tilings.
 
     Attributes
     ----------
-    name : "IH20".
-    pattern_name : what its default tile is called, "hexagon".
-    tiles : tuple of (n, 2) counterclockwise polygons, one per lattice class, total area 1 per tile.
-    lattice : (2, 2) rows t1, t2, right-handed.
+    name : "IH01" to "IH93".
+    net : degree of each vertex of the tile, counterclockwise.
+    symbol : incidence symbol.
+    group : wallpaper group of the marked tiling; the drawn one can be larger.
+    stabiliser : symmetries of the marked tile, "c3" turns only, "d3" turns and mirrors.
+    n_parameters : free shape parameters.
+    edge_classes : class of every edge, counterclockwise; edge k runs from vertex k to the next.
+    needs_marking : whether only markings on the tiles tell this type from a more symmetric one.
     """
 
     name: str
-    pattern_name: str
-    tiles: tuple[FloatArray, ...]
-    lattice: FloatArray
+    net: tuple[int, ...]
+    symbol: str
+    group: str
+    stabiliser: str
+    n_parameters: int
+    edge_classes: tuple[EdgeClass, ...]
+    needs_marking: bool
+
+    def curve_kinds(self) -> dict[str, str]:
+        """Letter of every edge class -> its kind, "J", "U", "S" or "I"."""
+        return {edge.letter: edge.kind for edge in self.edge_classes}
+
+    def __repr__(self) -> str:
+        edges = " ".join(f"{edge.letter}:{edge.kind}" for edge in self.edge_classes)
+        net = ".".join(map(str, self.net))
+        marking = ", needs marking" if self.needs_marking else ""
+        return (
+            f"<Family {self.name}: {self.group}, net {net}, edges {edges}, "
+            f"{self.n_parameters} parameter(s){marking}>"
+        )
 
 
-def _regular_hexagon() -> Family:
-    # Neighbors lie at 0°, 60°, …, so the walls' normals do too and the corners stand at 30°, 90°, …
-    inradius = math.sqrt(1.0 / (2.0 * math.sqrt(3.0)))
-    height = math.sqrt(3.0) * inradius
-    half_side = inradius / math.sqrt(3.0)
-    corners = [
-        (inradius, -half_side),
-        (inradius, half_side),
-        (0.0, 2.0 * half_side),
-        (-inradius, half_side),
-        (-inradius, -half_side),
-        (0.0, -2.0 * half_side),
-    ]
-    lattice = np.array([(2.0 * inradius, 0.0), (inradius, height)])
-    return Family("IH20", "hexagon", (np.array(corners),), lattice)
+@cache
+def _table() -> dict[str, dict[str, Any]]:
+    text = files("flexscale.tilings").joinpath("isohedral_types.json").read_text(encoding="utf-8")
+    return dict(sorted(json.loads(text).items()))
 
 
-def _square() -> Family:
-    corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
-    return Family("IH76", "square", (np.array(corners),), np.eye(2))
+@cache
+def _family(name: str) -> Family:
+    entry = _table()[name]
+    return Family(
+        name=name,
+        net=tuple(entry["net"]),
+        symbol=entry["symbol"],
+        group=entry["group"],
+        stabiliser=entry["stabiliser"],
+        n_parameters=entry["parameters"],
+        edge_classes=IncidenceSymbol(entry["symbol"]).edge_classes,
+        needs_marking=not entry["unmarked"],
+    )
 
 
-_FAMILIES = {family.name: family for family in (_regular_hexagon(), _square())}
-
-
-def families() -> tuple[str, ...]:
-    """Names of the families that can be built, sorted."""
-    return tuple(sorted(_FAMILIES))
+def families() -> tuple[Family, ...]:
+    """All 93 families, IH01 to IH93."""
+    return tuple(_family(name) for name in _table())
 
 
 def find_family(name: str) -> Family:
@@ -67,18 +87,11 @@ def find_family(name: str) -> Family:
 
     Raises
     ------
-    TilingError : no such family, or one of the 93 whose construction this version does not have.
+    TilingError : there is none.
     """
-    if name in _FAMILIES:
-        return _FAMILIES[name]
-    available = ", ".join(families())
-    number = re.fullmatch(r"IH(\d{2})", str(name))
-    if number and 1 <= int(number.group(1)) <= 93:
-        raise TilingError(
-            f"Tiling family {name} is one of the 93 isohedral families, but this version builds "
-            f"only {available}: use one of these, or give the tiles with Pattern.from_polygons."
-        )
+    if name in _table():
+        return _family(name)
     raise TilingError(
-        f"Tiling family {name!r} does not exist: families are called IH01 to IH93, "
-        f"and this version builds {available}. {suggest(name, families())}"
+        f"Tiling family {name!r} does not exist: the 93 families are called IH01 to IH93. "
+        f"{suggest(name, _table())}"
     )

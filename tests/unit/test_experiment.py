@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from flexscale.errors import BadInputError, ConfigError, PatternError, TilingError, UnitRangeError
 from flexscale.mesh.options import MeshOptions
+from flexscale.patterns.named import named_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import PatternBlock
@@ -105,6 +107,14 @@ def test_resolved_experiment_reads_back_the_same() -> None:
         (changed(scale_material={"young_modulus": 1, "poisson_ratio": 0.5}), "less than 0.5"),
         (changed(tiles=[[[0, 0], [1, 0], [1, 1]]]), "tiles out of place"),
         ({"patterns": {"a": {}}}, "lattice, tiles missing"),
+        (
+            {"patterns": {"a": {"named": "chevrn"}}},
+            "patterns.a: There is no pattern named 'chevrn'. Did you mean 'chevron'",
+        ),
+        ({"patterns": {"a": {"named": "square", "family": "IH76"}}}, "family out of place"),
+        ({"patterns": {"a": {"named": ["square"]}}}, "patterns.a.named"),
+        (changed(tiles=None, edges={"a": [[0, 0], [1, "1 mm"]]}), "'1 mm' is not a value in 1"),
+        (changed(edges={"a": [[0, 0], [0.5, 0.1], [1, 0]]}), "Edge class 'a'"),
         ({"patterns": {}}, "at least one pattern"),
         ({"patterns": {"a b": {"family": "IH76"}}}, "'a b' names files"),
         (SMALL | {"swep": {}}, "Did you mean 'sweep'"),
@@ -148,7 +158,7 @@ def test_every_mistake_is_told_at_once() -> None:
 @pytest.mark.parametrize(
     ("content", "error"),
     [
-        (changed(family="IH07"), TilingError),
+        (changed(family="IH94"), TilingError),
         (changed(family="hexagon"), TilingError),
         (changed(gap=20), PatternError),
         (SMALL | {"sweep": {"directions": [0], "curvatures": [0, 0.25]}}, UnitRangeError),
@@ -189,12 +199,29 @@ def test_missing_file(tmp_path: Path) -> None:
 
 def test_pattern_block_offers_every_parameter_of_pattern() -> None:
     parameters = set(inspect.signature(Pattern).parameters) - {"tiling", "name"}
-    assert set(PatternBlock.model_fields) == parameters | {
-        "family",
-        "parameters",
-        "tiles",
-        "lattice",
-    }
+    shapes = {"named", "family", "parameters", "edges", "tiles", "lattice"}
+    assert set(PatternBlock.model_fields) == parameters | shapes
+
+
+def test_a_name_stands_for_its_shape() -> None:
+    """The resolved experiment holds family and curves, whatever becomes of the catalog."""
+    text = (
+        "patterns: {bent: {named: chevron, gap: 0.5 mm}}\nsweep: {directions: [0], curvatures: [0]}"
+    )
+    experiment = parse_experiment(yaml.safe_load(text), "file.yaml")
+    block = experiment.patterns["bent"]
+    assert (block.named, block.family, block.gap) == (None, "IH64", 0.5)
+    pattern = experiment.build_patterns()["bent"]
+    assert pattern == named_pattern("chevron", gap=0.5).with_(name="bent")
+    content = json.loads(experiment.model_dump_json(exclude_none=True))
+    assert parse_experiment(content, "copy") == experiment
+
+
+def test_family_with_parameters_and_edges() -> None:
+    block = {"family": "IH64", "parameters": [-0.2], "edges": {"b": [[0, 0], [0.5, "0.1"]]}}
+    pattern = parse_experiment(SMALL | {"patterns": {"v": block}}, "f").build_patterns()["v"]
+    assert pattern.tiling.parameters == (-0.2,)
+    assert pattern.tiling.edges["b"].tolist() == [[0.0, 0.0], [0.5, 0.1]]
 
 
 def test_option_blocks_take_units_and_know_what_they_mean() -> None:

@@ -93,7 +93,7 @@ def test_materials(modulus: float, ratio: float, words: str) -> None:
     [
         ({"family": "IH76", "gapp": 0.4}, "Did you mean 'gap'"),
         ({"family": "IH76", "tiles": []}, "no key 'tiles'"),
-        ({"family": "IH77"}, "IH77"),
+        ({"family": "IH94"}, "IH94"),
         ({"family": "custom"}, "'tiles' and 'lattice'"),
         ({"tiles": [SQUARE], "lattice": [(10, 0)]}, "two vectors"),
         ({"family": "IH76", "scale_material": {"young_modulus": 1.0}}, "'poisson_ratio'"),

@@ -12,6 +12,7 @@ import shapely
 from flexscale.patterns import TPU, NeoHookean, Pattern
 from flexscale.patterns.cell import polygon_area
 from flexscale.tilings import Tiling
+from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from tests.unit.pattern_shapes import BRICK, SHAPES, SQUARE, custom
 
 NAMES = list(SHAPES)
@@ -48,6 +49,20 @@ def test_paper_values_are_the_defaults() -> None:
     assert (pattern.name, pattern.tile_area) == ("square", 100.0)
     assert np.allclose(pattern.outlines()[0], np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * 4.8)
     assert polygon_area(Pattern(Tiling("IH20")).tiles[0]) == pytest.approx(100.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("family", ["IH20", "IH76", "IH07", "IH54", "IH93"])
+def test_pattern_stands_on_the_primitive_cell(family: str) -> None:
+    tiling = Tiling(family)
+    repeats = drawn_symmetry(tiling.tiles, tiling.lattice).n_primitive_cells
+    pattern = Pattern(tiling, tile_area=49.0)
+    assert pattern.n_scales * repeats == len(tiling.tiles)
+    assert pattern.symmetry().n_primitive_cells == 1
+    assert pattern.cell_area == pytest.approx(49.0 * pattern.n_scales, rel=1e-12)
+    if family in ("IH20", "IH76"):  # what does not repeat stays as it was, to the last bit
+        given = Pattern.from_polygons([7.0 * tile for tile in tiling.tiles], *7.0 * tiling.lattice)
+        assert np.array_equal(pattern.lattice, given.lattice)
+        assert np.array_equal(pattern.tiles[0], given.tiles[0])
 
 
 def test_corners_in_the_middle_of_straight_edges_are_inserted() -> None:

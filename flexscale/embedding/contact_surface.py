@@ -22,6 +22,8 @@ from flexscale.mesh.periodic_mesh import PeriodicMesh
 #: In-plane reach of contact beyond a scale's outline, as a share of the root of the mean tile area.
 REACH = 0.25
 
+AT_ONCE = 200  # points of a surface whose surroundings are integrated together, to bound memory
+
 
 @dataclass(frozen=True)
 class SurfaceVertices:
@@ -113,17 +115,17 @@ def spread_contact(mesh: PeriodicMesh, radius: float) -> sp.csr_array:
     for scale in range(mesh.n_scales):
         faces = np.flatnonzero(mesh.surface_scale == scale)
         tree, largest = cKDTree(middles[faces]), float(extents[faces].max())
-        vertices = np.flatnonzero(owner == scale)
-        reached = tree.query_ball_point(
-            mesh.scale_positions[vertices], radius + largest, return_sorted=True
-        )
-        for vertex, found in zip(vertices, reached, strict=True):
-            near = faces[found]
-            point = mesh.scale_positions[vertex]
-            near = near[np.linalg.norm(middles[near] - point, axis=1) < radius + extents[near]]
-            used, forms = fit_affine(corners[near], point, radius, quadratic=False)
-            rows.append(np.full(3 * len(used), vertex))
-            columns.append(mesh.surface_triangles[near[used]].ravel())
+        for vertices in _parts(np.flatnonzero(owner == scale), AT_ONCE):
+            points = mesh.scale_positions[vertices]
+            reached = tree.query_ball_point(points, radius + largest, return_sorted=True)
+            group = np.repeat(np.arange(len(vertices)), [len(found) for found in reached])
+            near = faces[np.concatenate(reached).astype(np.int64)]
+            close = np.linalg.norm(middles[near] - points[group], axis=1) < radius + extents[near]
+            near, group = near[close], group[close]
+            arms = corners[near] - points[group, None]
+            forms = fit_affine(arms, group, radius, quadratic=False, finest=0.5)
+            rows.append(np.repeat(vertices[group], 3))
+            columns.append(mesh.surface_triangles[near].ravel())
             weights.append(forms[:, :, 0].ravel())
     inside = np.flatnonzero(owner < 0)
     entries = (
@@ -132,4 +134,9 @@ def spread_contact(mesh: PeriodicMesh, radius: float) -> sp.csr_array:
     )
     spread = sp.csr_array(entries, shape=(n, n))
     spread.sum_duplicates()
+    spread.eliminate_zeros()
     return spread
+
+
+def _parts(vertices: IntArray, size: int) -> list[IntArray]:
+    return [vertices[k : k + size] for k in range(0, len(vertices), size)]

@@ -108,7 +108,11 @@ class _Base:
 
     def row_around(self, point: FloatArray, radius: float) -> _Row:
         """The affine motion (X0, G) that fits the base best within `radius` of a point."""
-        near, forms = fit_affine(self.corners, point, radius, self.quadratic)
+        middles = self.corners.mean(axis=1)
+        extents = np.linalg.norm(self.corners - middles[:, None], axis=2).max(axis=1)
+        near = np.linalg.norm(middles - point, axis=1) < radius + extents
+        arms = self.corners[near] - point
+        forms = fit_affine(arms, np.zeros(len(arms), dtype=np.int64), radius, self.quadratic)
         return _merge_row(self.triangles[near], forms)
 
 

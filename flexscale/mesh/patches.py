@@ -17,7 +17,6 @@ from flexscale.simplices import TRIANGLE_EDGES
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FINEST = 0.25  # of the radius: triangles are cut down to this size before they are integrated
 ROUNDING = 1e-6  # mirror images must be cut alike although their lengths differ in the last bits
 FLAT = 1e-9  # of the largest second moment: directions thinner than this are not fitted
 
@@ -38,37 +37,43 @@ _QUARTERS = 0.5 * np.array(
 )
 
 
-def fit_affine(
-    corners: FloatArray, point: FloatArray, radius: float, quadratic: bool
-) -> tuple[IntArray, FloatArray]:
-    """Weights of nodal values in the affine motion that fits a surface best near a point.
+def fit_affine(arms: FloatArray, group: IntArray, radius: float, quadratic: bool) -> FloatArray:
+    """Weights of nodal values in the affine motions that fit surfaces best near some points.
 
     Parameters
     ----------
-    corners : (n, 3, d) rest corners of triangles, in the plane (d = 2) or in space (3), mm.
-    point : (d,) mm. radius : mm, > 0.
+    arms : (n, 3, d) rest corners of triangles, relative to the point that each is considered for,
+        in the plane (d = 2) or in space (3), mm.
+    group : (n,) number of that point.
+    radius : mm, > 0.
     quadratic : whether the triangles carry six nodes, or three.
+    finest : share of the radius to which triangles are cut down before they are integrated.
 
     Returns
     -------
-    near : (m,) triangles within the radius.
-    forms : (m, 3 or 6, 1 + d) weights of their nodes in X0 and G. Of a flat patch in space the
-        part of G across it is 0.
+    (n, 3 or 6, 1 + d) weights of the triangles' nodes in X0 and G of their point; 0 of triangles
+    beyond the radius. Of a flat patch in space the part of G across it is 0.
     """
-    arms = (corners - point) / radius
-    owner, shares, areas = _cut_near_origin(arms)
-    places = np.einsum("nk,nkd->nd", shares, arms[owner])
+    owner, shares, areas = _cut_near_origin(arms / radius, finest)
+    places = np.einsum("nk,nkd->nd", shares, arms[owner] / radius)
     weights = areas * np.maximum(1.0 - np.sum(places**2, axis=1), 0.0) ** 2
     modes = np.column_stack([np.ones(len(places)), places])
-    weighted = weights[:, None] * modes
-    moments = modes.T @ weighted
-    fit = np.linalg.pinv(moments, rcond=FLAT, hermitian=True) @ weighted.T  # (X0, radius G)
-    fit[1:] /= radius
+    size, points = modes.shape[1], group[owner]
+    moments = np.empty((int(group.max()) + 1, size, size))
+    for i in range(size):
+        for j in range(i + 1):
+            moments[:, i, j] = moments[:, j, i] = np.bincount(
+                points, weights * modes[:, i] * modes[:, j], minlength=len(moments)
+            )
+    inverse = np.linalg.pinv(moments, rcond=FLAT, hermitian=True)
+    fit = weights[:, None] * np.einsum("nij,nj->ni", inverse[points], modes)  # (X0, radius G)
+    fit[:, 1:] /= radius
     values = quadratic_values(shares) if quadratic else shares
-    near, slot = np.unique(owner, return_inverse=True)
-    forms = np.zeros((len(near), values.shape[1], len(fit)))
-    np.add.at(forms, slot, values[:, :, None] * fit.T[:, None, :])
-    return near, forms
+    forms = np.empty((len(arms), values.shape[1], size))
+    for k in range(values.shape[1]):
+        for c in range(size):
+            forms[:, k, c] = np.bincount(owner, values[:, k] * fit[:, c], minlength=len(arms))
+    return forms
 
 
 def quadratic_values(shares: FloatArray) -> FloatArray:
@@ -79,8 +84,9 @@ def quadratic_values(shares: FloatArray) -> FloatArray:
     )
 
 
-def _cut_near_origin(corners: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Quadrature points of triangles (n, 3, d) over the unit ball, fine on its scale.
+def _cut_near_origin(corners: FloatArray, finest: float) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Quadrature points of triangles (n, 3, d), cut down to size `finest`, over the unit
+    ball.
 
     Returns
     -------
@@ -97,7 +103,7 @@ def _cut_near_origin(corners: FloatArray) -> tuple[IntArray, FloatArray, FloatAr
         near = np.linalg.norm(middle, axis=1) < 1.0 + extent
         owner, pieces, placed = owner[near], pieces[near], placed[near]
         edges = placed - np.roll(placed, 1, axis=1)
-        fine = np.linalg.norm(edges, axis=2).max(axis=1) <= FINEST * (1.0 + ROUNDING)
+        fine = np.linalg.norm(edges, axis=2).max(axis=1) <= finest * (1.0 + ROUNDING)
         u, v = edges[fine, 1], edges[fine, 2]
         # |u x v| in any dimension; rounding may carry its square below zero.
         square = np.sum(u * u, axis=1) * np.sum(v * v, axis=1) - np.sum(u * v, axis=1) ** 2

@@ -2,36 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.tilings.isometry import Isometry
+
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Isometry:
-    """x -> linear @ x + translation.
-
-    Attributes
-    ----------
-    linear : (2, 2) orthogonal.
-    translation : (2,) mm.
-    """
-
-    linear: FloatArray
-    translation: FloatArray
-
-    def apply(self, points: FloatArray) -> FloatArray:
-        """Images of points (n, 2), mm."""
-        return points @ self.linear.T + self.translation
-
-    @property
-    def reverses(self) -> bool:
-        """Whether it turns counterclockwise into clockwise."""
-        return bool(np.linalg.det(self.linear) < 0.0)
 
 
 def polygon_isometries(

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from flexscale.errors import TilingError
 from flexscale.tilings.curves import read_curves
+from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from flexscale.tilings.families import Family, find_family
 from flexscale.tilings.geometry import family_geometry
 from flexscale.tilings.isometry import Isometry
 from flexscale.tilings.lattice import reduction
 from flexscale.tilings.outline import build_outline, require_tile, signed_area
+from flexscale.tilings.wallpaper import DrawnSymmetry
 
 FloatArray = NDArray[np.float64]
 
@@ -99,6 +101,10 @@ class Tiling:
         self.parameter_names: tuple[str, ...] = geometry.space.names
         for array in (outline, vertices, self.lattice, *self.tiles, *given.values()):
             array.setflags(write=False)
+
+    def symmetry(self) -> DrawnSymmetry:
+        """Symmetry of the tiles as drawn, which may be more than that of the family."""
+        return drawn_symmetry(self.tiles, self.lattice)
 
     def __repr__(self) -> str:
         shape = f", parameters={self.parameters}" if any(self.parameters) else ""

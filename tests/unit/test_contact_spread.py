@@ -43,8 +43,9 @@ def test_no_edge_presses_at_points(mesh):
 
 def test_a_flat_patch_in_space_is_fitted_in_its_plane():
     corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0, 1, 0]]])
-    near, forms = fit_affine(corners, np.array([0.5, 0.5, 0.0]), 0.4, quadratic=False)
-    nodes = corners[near].reshape(-1, 3)
+    middle, group = np.array([0.5, 0.5, 0.0]), np.zeros(2, dtype=np.int64)
+    forms = fit_affine(corners - middle, group, 0.4, quadratic=False)
+    nodes = corners.reshape(-1, 3)
     weights = forms.reshape(-1, 4)
     assert weights[:, 0].sum() == pytest.approx(1.0)
     assert weights[:, 0] @ nodes == pytest.approx([0.5, 0.5, 0.0])

@@ -37,7 +37,9 @@ _QUARTERS = 0.5 * np.array(
 )
 
 
-def fit_affine(arms: FloatArray, group: IntArray, radius: float, quadratic: bool) -> FloatArray:
+def fit_affine(
+    arms: FloatArray, group: IntArray, radius: float, quadratic: bool, finest: float = 0.25
+) -> FloatArray:
     """Weights of nodal values in the affine motions that fit surfaces best near some points.
 
     Parameters

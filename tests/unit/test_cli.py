@@ -82,12 +82,6 @@ def test_fields_are_data(
     assert "patterns.NAME.gap" in capsys.readouterr().out
 
 
-def test_tiling_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call(monkeypatch, "tiling", "list", "--json") == 0
-    rows = json.loads(capsys.readouterr().out)
-    assert {"family": "IH20", "name": "hexagon", "tiles": 1} in rows
-
-
 def test_data_commands_on_an_empty_folder(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -1,0 +1,77 @@
+"""`flexscale tiling gallery`: all families in one figure."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexscale.plotting.picture_file import require_picture_path, write_picture
+from flexscale.plotting.tiling_gallery import GalleryPanel, gallery
+from flexscale.tilings import Family, Tiling, families
+
+FloatArray = NDArray[np.float64]
+
+#: Parameters without meaning, large enough to be seen; a family takes as many as it has.
+PARAMETERS = (0.12, -0.09, 0.13, -0.08, 0.11, -0.1)
+_HEIGHT = 0.115  # of the curves, in edge lengths
+_DECAY = 0.88  # each next class has lower curves, so that no two classes look the same
+_N_COLORS = 64  # of the PNG
+_REMARKS = (
+    "Family and group. Tiles that look alike are shifted copies of each other; striped ones are "
+    "mirror images of plain ones. Every edge that may be curved is curved as its class allows, so "
+    "that the drawn symmetry is just the group.",
+    "Not so in the 12 marked *: all their edges lie on mirrors and stay straight, and only "
+    "markings on the tiles would tell them from more symmetric types.",
+)
+
+
+def draw_gallery(path: Path) -> None:
+    """Draw all families and print the path of the picture.
+
+    Raises
+    ------
+    BadInputError : the path cannot be written.
+    """
+    require_picture_path(path)
+    figure = gallery([_panel(family) for family in families()], _REMARKS)
+    write_picture(figure, path, n_colors=_N_COLORS)
+    sys.stdout.write(f"{path}\n")
+
+
+def generic_tiling(family: Family) -> Tiling:
+    """A member of the family with no more symmetry than its type, where that can be drawn.
+
+    Every class that may be curved is: J edges with a skew bump, U edges with a bump, S edges with
+    a wave, all flat at their ends so that narrow corners stay open.
+    """
+    curved = [item for item in family.curve_kinds().items() if item[1] != "I"]
+    edges = {
+        letter: _curve(kind) * (1.0, (-1) ** number * _DECAY**number)
+        for number, (letter, kind) in enumerate(curved)
+    }
+    return Tiling(family.name, PARAMETERS[: family.n_parameters], edges)
+
+
+def _curve(kind: str) -> FloatArray:
+    """Points (n, 2) of a standard curve; of S and U edges the first half."""
+    if kind == "J":
+        t = np.linspace(0.0, 1.0, 25)
+        return np.stack([t, _HEIGHT * np.sin(np.pi * t**0.6) ** 2], axis=1)
+    t = np.linspace(0.0, 0.5, 13)
+    bump = np.sin(np.pi * t)
+    wave = bump**2 if kind == "U" else np.sqrt(bump) * np.sin(2.0 * np.pi * t)
+    return np.stack([t, _HEIGHT * wave], axis=1)
+
+
+def _panel(family: Family) -> GalleryPanel:
+    tiling = generic_tiling(family)
+    star = "*" if family.needs_marking else ""
+    return GalleryPanel(
+        title=f"{family.name}{star} {family.group}",
+        tiles=tiling.tiles,
+        mirrored=tuple(aspect.reverses for aspect in tiling.aspects),
+        lattice=tiling.lattice,
+    )

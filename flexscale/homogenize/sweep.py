@@ -11,14 +11,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from flexscale.datasets.build import build_sweep_dataset
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
 from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
+from flexscale.homogenize.sweep_dataset import build_dataset_of
+from flexscale.homogenize.symmetry import (
+    check_line,
+    find_sources,
+    symmetry_error,
+)
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import FloatArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import Pattern
@@ -74,6 +78,7 @@ def sweep(
     mesh: MeshOptions | None = None,
     solver: SolverOptions | None = None,
     contact: ContactOptions | None = None,
+    symmetry: bool = True,
     workers: int | None = None,
     checkpoint: Checkpoint | None = None,
     on_sample: Callable[[SampleEvent], None] | None = None,
@@ -87,6 +92,8 @@ def sweep(
     curvatures : mm-1, non-negative and increasing.
     sides : of "closing", "opening".
     mesh, solver, contact : element sizes, solver and contact options; the defaults if not given.
+    symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
+        sample in another as a check; False solves all.
     workers : processes, each with one thread; as many as there are cores if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted sweep.
     on_sample : called in this process as samples (with several workers: lines) finish.
@@ -95,15 +102,22 @@ def sweep(
     -------
     xarray.Dataset of kind sweep/1 (see `datasets.schema`). Samples that did not converge hold NaN
     and a `status`. The moment is the derivative of the energy density by the curvature's magnitude.
+    `symmetry_source` tells which direction was solved.
 
     Raises
     ------
     UnitRangeError, UnknownNameError : see `check_sweep`; before anything is solved.
+    MeshError : the mesh is too far from the pattern's symmetry to rely on it.
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     check_sweep(pattern, directions, curvatures, sides)
     kappa = tuple(float(k) for k in curvatures)
-    lines = [Line(side, float(direction), kappa) for side in sides for direction in directions]
+    sources = find_sources(pattern, directions, symmetry)
+    solved = dict.fromkeys(source.direction for source in sources)
+    lines = [Line(side, direction, kappa) for side in sides for direction in solved]
+    check = check_line(sides, directions, sources, next((k for k in kappa if k > 0.0), 0.0))
+    if check is not None:
+        lines.append(check)
     contact = contact or ContactOptions()
     problem = CellProblem.from_pattern(
         pattern, mesh, contact=contact, linear_solver=solver.linear_solver
@@ -119,10 +133,19 @@ def sweep(
         "mesh": mesh.to_config(),
         "solver": solver.to_config(),
         "contact": contact.to_config(),
+        "symmetry": symmetry,
     }
-    return _build_dataset(
-        pattern, pattern_scalars(pattern, mesh), options, samples, (sides, directions, kappa)
+    axes = (sides, directions, kappa)
+    dataset = build_dataset_of(
+        pattern, pattern_scalars(pattern, mesh), options, samples, axes, sources
     )
+    if check is not None:
+        error = symmetry_error(check, directions, sources, samples)
+        dataset["symmetry_source"].attrs["comment"] = (
+            f"checked in direction {check.direction:g} degree at {check.curvatures[0]:g} mm-1: "
+            f"relative difference in energy {error:.1e}"
+        )
+    return dataset
 
 
 def check_sweep(
@@ -254,48 +277,3 @@ def _collect(
                 )
             )
     return samples
-
-
-def _build_dataset(
-    pattern: Pattern,
-    scalars: dict[str, float | str],
-    options: dict[str, Any],
-    samples: dict[tuple[str, float], list[dict[str, Any]]],
-    axes: tuple[Sequence[str], Sequence[float], Sequence[float]],
-) -> xr.Dataset:
-    sides, directions, curvatures = axes
-    shape = (len(sides), len(directions), len(curvatures))
-
-    def array(
-        name: str, missing: float, dtype: type = float, extra: tuple[int, ...] = ()
-    ) -> FloatArray:
-        out: FloatArray = np.full((*shape, *extra), missing, dtype=dtype)
-        for i, side in enumerate(sides):
-            for j, direction in enumerate(directions):
-                for k, sample in enumerate(samples[side, float(direction)]):
-                    out[i, j, k] = sample.get(name, missing)
-        return out
-
-    reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")
-    names: tuple[str, ...] = ("membrane", "bending", "scales")
-    counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues", "saddles_left")
-    if options["contact"]["enabled"]:
-        names += ("contact",)
-        reals += ("min_gap", "contact_force", "barrier_stiffness")
-        counts += ("contact_pairs",)
-    parts = tuple(f"energy_density_{name}" for name in names)
-    arrays: dict[str, Any] = {name: array(name, np.nan) for name in (*reals, *parts)}
-    arrays["stretch"] = array("stretch", np.nan, extra=(3,))
-    for name in counts:
-        arrays[name] = array(name, 0, np.int32)
-    arrays["status"] = array("status", int(SolveStatus.not_run), np.int8)
-    config = {
-        "pattern": pattern.to_config(),
-        **options,
-        "sides": list(sides),
-        "directions": [float(d) for d in directions],
-        "curvatures": list(curvatures),
-    }
-    return build_sweep_dataset(
-        sides, directions, curvatures, arrays, scalars=scalars, config=config
-    )

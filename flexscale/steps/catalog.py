@@ -56,11 +56,15 @@ class TangentParameters(Parameters):
 
 
 class SweepParameters(Parameters):
-    """Also sides ("closing", "opening"), directions (degree), curvatures (mm-1), options."""
+    """Also sides ("closing", "opening"), directions (degree), curvatures (mm-1), options.
+
+    `symmetry` tells whether directions that the pattern makes equivalent are solved once.
+    """
 
     sides: tuple[str, ...]
     directions: tuple[float, ...]
     curvatures: tuple[float, ...]
+    symmetry: bool
     contact: dict[str, Any]
     solver: dict[str, Any]
 

@@ -52,6 +52,7 @@ class SweepBlock(Block):
         ..., "bending directions, increasing, from 0 to below 180", min_length=1
     )
     curvatures: Curvatures = declared(..., "curvatures, increasing from 0", min_length=1)
+    symmetry: bool = declared(True, "solve equivalent directions once; false solves all")
 
     @field_validator("directions")
     @classmethod

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe
+from flexscale.homogenize.symmetry import find_sources
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import Experiment
@@ -100,7 +101,7 @@ def build_plan(experiment: Experiment) -> Plan:
 def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) -> list[Job]:
     """Jobs of one pattern: the steps the experiment has blocks for, then its figures."""
     made: dict[str, Job] = {}
-    for name, (extra, size) in _wanted_steps(experiment).items():
+    for name, (extra, size) in _wanted_steps(experiment, pattern).items():
         step = STEPS[name]
         parameters = step.parameters.model_validate(
             {"pattern": pattern.to_config(), "mesh": mesh, **extra}
@@ -114,7 +115,9 @@ def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) 
     return [*made.values(), *figures]
 
 
-def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], int]]:
+def _wanted_steps(
+    experiment: Experiment, pattern: Pattern
+) -> dict[str, tuple[dict[str, object], int]]:
     """Step name -> parameters besides pattern and mesh, and the number of samples."""
     options: dict[str, object] = {
         "contact": experiment.contact.to_config(),
@@ -125,7 +128,9 @@ def _wanted_steps(experiment: Experiment) -> dict[str, tuple[dict[str, object], 
         wanted["tangent"] = (experiment.tangent.model_dump(), 1)
     if experiment.sweep is not None:
         block = experiment.sweep
-        size = len(block.sides) * len(block.directions) * len(block.curvatures)
+        sources = find_sources(pattern, block.directions, block.symmetry)
+        solved = len({source.direction for source in sources})
+        size = len(block.sides) * solved * len(block.curvatures)
         wanted["sweep"] = (block.model_dump() | options, size)
     if experiment.fit is not None:
         wanted["fit"] = (experiment.fit.model_dump(), 1)

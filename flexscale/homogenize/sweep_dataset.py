@@ -1,0 +1,78 @@
+"""From the samples of solved lines to the dataset of a sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexscale.datasets.build import build_sweep_dataset
+from flexscale.homogenize.symmetry import Source, turn_stretch
+from flexscale.mechanics.energy import FloatArray
+from flexscale.patterns import Pattern
+from flexscale.status import SolveStatus
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def build_dataset_of(
+    pattern: Pattern,
+    scalars: dict[str, float | str],
+    options: dict[str, Any],
+    samples: dict[tuple[str, float], list[dict[str, Any]]],
+    axes: tuple[Sequence[str], Sequence[float], Sequence[float]],
+    sources: Sequence[Source],
+) -> xr.Dataset:
+    """Dataset of kind sweep/1.
+
+    Parameters
+    ----------
+    scalars : numbers and names of the pattern, as `labels.pattern_scalars` gives them.
+    options : resolved mesh, solver and contact options, for the recipe.
+    samples : of every line solved, by side and direction, in the order of curvatures.
+    axes : sides, directions (degree), curvatures (mm-1).
+    sources : of every direction.
+    """
+    sides, directions, curvatures = axes
+    shape = (len(sides), len(directions), len(curvatures))
+
+    def array(
+        name: str, missing: float, dtype: type = float, extra: tuple[int, ...] = ()
+    ) -> FloatArray:
+        out: FloatArray = np.full((*shape, *extra), missing, dtype=dtype)
+        for i, side in enumerate(sides):
+            for j, source in enumerate(sources):
+                for k, sample in enumerate(samples[side, source.direction]):
+                    out[i, j, k] = sample.get(name, missing)
+        return out
+
+    reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")
+    names: tuple[str, ...] = ("membrane", "bending", "scales")
+    counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues", "saddles_left")
+    if options["contact"]["enabled"]:
+        names += ("contact",)
+        reals += ("min_gap", "contact_force", "barrier_stiffness")
+        counts += ("contact_pairs",)
+    parts = tuple(f"energy_density_{name}" for name in names)
+    arrays: dict[str, Any] = {name: array(name, np.nan) for name in (*reals, *parts)}
+    stretch = array("stretch", np.nan, extra=(3,))
+    for j, source in enumerate(sources):
+        stretch[:, j] = turn_stretch(stretch[:, j], source.turn)
+    arrays["stretch"] = stretch
+    solved = [source.direction for source in sources]
+    arrays["symmetry_source"] = np.broadcast_to(solved, shape[:2])
+    for name in counts:
+        arrays[name] = array(name, 0, np.int32)
+    arrays["status"] = array("status", int(SolveStatus.not_run), np.int8)
+    config = {
+        "pattern": pattern.to_config(),
+        **options,
+        "sides": list(sides),
+        "directions": [float(d) for d in directions],
+        "curvatures": list(curvatures),
+    }
+    return build_sweep_dataset(
+        sides, directions, curvatures, arrays, scalars=scalars, config=config
+    )

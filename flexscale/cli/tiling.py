@@ -34,6 +34,7 @@ picture is drawn all the same, with the edges at fault in red.
   flexscale tiling draw IH07
   flexscale tiling draw IH07 --parameters 0.1 -0.2 --edge a=0.3:0.1,0.6:-0.1
   flexscale tiling draw IH64 --edge b=0.5:0.2 --out chevron.svg
+  flexscale tiling draw pinwheel3
 """
 
 
@@ -54,7 +55,7 @@ def list_(json: Json = False, quiet: Quiet = False) -> None:
 
 @app.command(cls=_ParametersCommand, help=_DRAW_HELP)
 def draw(
-    family: Annotated[str, typer.Argument(help="IH01 to IH93.")],
+    family: Annotated[str, typer.Argument(help="IH01 to IH93, or the name of a named pattern.")],
     parameters: Annotated[
         str | None,
         typer.Option(metavar="NUMBER …", help="Free shape parameters, all of them."),
@@ -84,12 +85,20 @@ def draw(
 
 @app.command()
 def gallery(
-    out: Annotated[Path, typer.Option(help="File.png, .svg or .pdf.")] = Path("tilings.png"),
+    named: Annotated[
+        bool, typer.Option("--named", help="The twelve named patterns instead.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="File.png, .svg or .pdf; tilings.png here if not given.")
+    ] = None,
 ) -> None:
     """Draw all 93 families in one figure."""
-    from flexscale.cli.tiling_gallery import draw_gallery
+    from flexscale.cli.tiling_gallery import draw_gallery, draw_named_patterns
 
-    draw_gallery(out)
+    if named:
+        draw_named_patterns(out or Path("patterns.png"))
+    else:
+        draw_gallery(out or Path("tilings.png"))
 
 
 def join_numbers(arguments: list[str], option: str) -> list[str]:

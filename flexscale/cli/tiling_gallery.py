@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.patterns.named import named_patterns
 from flexscale.plotting.picture_file import require_picture_path, write_picture
 from flexscale.plotting.tiling_gallery import GalleryPanel, gallery
 from flexscale.tilings import Family, Tiling, families
@@ -26,6 +27,10 @@ _REMARKS = (
     "Not so in the 12 marked *: all their edges lie on mirrors and stay straight, and only "
     "markings on the tiles would tell them from more symmetric types.",
 )
+_NAMED_REMARKS = (
+    "Name, family and drawn group.",
+    "Tiles that look alike are shifted copies of each other; striped ones are mirror images.",
+)
 
 
 def draw_gallery(path: Path) -> None:
@@ -35,9 +40,35 @@ def draw_gallery(path: Path) -> None:
     ------
     BadInputError : the path cannot be written.
     """
+    _write(
+        [
+            _panel(f"{_marked(family)} {family.group}", generic_tiling(family))
+            for family in families()
+        ],
+        _REMARKS,
+        path,
+    )
+
+
+def draw_named_patterns(path: Path) -> None:
+    """Draw the named patterns and print the path of the picture.
+
+    Raises
+    ------
+    BadInputError : the path cannot be written.
+    """
+    panels = []
+    for entry in named_patterns():
+        tiling = Tiling(entry.family, **entry.shape)
+        panels.append(_panel(f"{entry.name}\n{entry.family} {tiling.symmetry().group}", tiling))
+    _write(panels, _NAMED_REMARKS, path, n_columns=6)
+
+
+def _write(
+    panels: list[GalleryPanel], remarks: tuple[str, ...], path: Path, n_columns: int = 12
+) -> None:
     require_picture_path(path)
-    figure = gallery([_panel(family) for family in families()], _REMARKS)
-    write_picture(figure, path, n_colors=_N_COLORS)
+    write_picture(gallery(panels, remarks, n_columns), path, n_colors=_N_COLORS)
     sys.stdout.write(f"{path}\n")
 
 
@@ -66,11 +97,13 @@ def _curve(kind: str) -> FloatArray:
     return np.stack([t, _HEIGHT * wave], axis=1)
 
 
-def _panel(family: Family) -> GalleryPanel:
-    tiling = generic_tiling(family)
-    star = "*" if family.needs_marking else ""
+def _marked(family: Family) -> str:
+    return f"{family.name}*" if family.needs_marking else family.name
+
+
+def _panel(title: str, tiling: Tiling) -> GalleryPanel:
     return GalleryPanel(
-        title=f"{family.name}{star} {family.group}",
+        title=title,
         tiles=tiling.tiles,
         mirrored=tuple(aspect.reverses for aspect in tiling.aspects),
         lattice=tiling.lattice,

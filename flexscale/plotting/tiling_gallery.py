@@ -14,8 +14,8 @@ from flexscale.plotting.tiling_shapes import aspect_looks, draw_tiles, tiles_in_
 
 FloatArray = np.ndarray
 
-_COLUMNS = 12
 _PANEL = (0.86, 1.02)  # inch, with its title
+_LINE = 0.12  # inch, of a title, beyond the first
 _REMARKS = 0.45  # inch
 _HALF_WINDOW = 2.1  # roots of the tile's area
 
@@ -38,16 +38,20 @@ class GalleryPanel:
     lattice: FloatArray
 
 
-def gallery(panels: Sequence[GalleryPanel], remarks: Sequence[str] = ()) -> Figure:
+def gallery(
+    panels: Sequence[GalleryPanel], remarks: Sequence[str] = (), n_columns: int = 12
+) -> Figure:
     """Panels side by side, all at one scale, with lines of remarks under them."""
-    n_rows = -(-len(panels) // _COLUMNS)
+    n_rows = -(-len(panels) // n_columns)
+    n_lines = max(panel.title.count("\n") for panel in panels) if panels else 0
     with flexscale_style():
-        figure = new_figure(_COLUMNS * _PANEL[0], n_rows * _PANEL[1] + _REMARKS)
+        height = n_rows * (_PANEL[1] + _LINE * n_lines) + _REMARKS
+        figure = new_figure(n_columns * _PANEL[0], height)
         engine = figure.get_layout_engine()
         if engine is not None:
             engine.set(w_pad=0.02, h_pad=0.02, wspace=0.03, hspace=0.03)  # type: ignore[call-arg]
         for number, panel in enumerate(panels):
-            _draw_panel(figure.add_subplot(n_rows, _COLUMNS, number + 1), panel)
+            _draw_panel(figure.add_subplot(n_rows, n_columns, number + 1), panel)
         add_note(figure, remarks)
     return figure
 

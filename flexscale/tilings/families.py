@@ -8,6 +8,7 @@ be built like the others.
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -91,7 +92,9 @@ def find_family(name: str) -> Family:
     """
     if name in _table():
         return _family(name)
+    number = re.fullmatch(r"\s*(?:IH)?\s*0*(\d{1,2})\s*", str(name), re.IGNORECASE)
+    meant = f"IH{int(number[1]):02d}" if number else ""
+    hint = f"Did you mean {meant!r}?" if meant in _table() else suggest(name, _table())
     raise TilingError(
-        f"Tiling family {name!r} does not exist: the 93 families are called IH01 to IH93. "
-        f"{suggest(name, _table())}"
+        f"Tiling family {name!r} does not exist: the 93 families are called IH01 to IH93. {hint}"
     )

@@ -18,7 +18,12 @@ from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, hct_derivatives
-from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
+from flexscale.mechanics.shell_law import (
+    BENDING_MEASURES,
+    bending_energy,
+    membrane_energy,
+    shell_law,
+)
 
 _N_VECTORS = 5
 _NO_HESSIAN = np.empty((0, 0))
@@ -54,7 +59,7 @@ def _forms(y, vectors, derivatives, v, normal, dual, e, b):
 
 @njit(cache=True)
 def _energies(y, vectors, derivatives, weights, law, out):
-    mu, lam, thickness, stiffness, nu = law
+    mu, lam, thickness, stiffness, nu, measure = law
     v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
     e, b, a = np.empty(3), np.empty(3), np.empty(3)
     out[:] = 0.0
@@ -66,7 +71,7 @@ def _energies(y, vectors, derivatives, weights, law, out):
                 return
             a[0], a[1], a[2] = 1.0 + e[0], e[1], 1.0 + e[2]
             out[0] += weights[t, q] * thickness * membrane_energy(e[0], e[1], e[2], mu, lam)
-            out[1] += weights[t, q] * stiffness * bending_energy(a, b, area, nu)
+            out[1] += weights[t, q] * stiffness * bending_energy(a, b, area, nu, measure)
 
 
 @njit(cache=True)
@@ -89,14 +94,14 @@ def _vector_gradient(v, normal, dual, grad, p, christoffel):
 
 @njit(cache=True)
 def _gradient(y, vectors, derivatives, weights, law, out):
-    mu, lam, thickness, stiffness, nu = law
+    mu, lam, thickness, stiffness, nu, measure = law
     v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
     e, b, grad, no_hessian = np.empty(3), np.empty(3), np.empty(6), np.empty((0, 0))
     p, christoffel = np.empty((5, 3)), np.empty((3, 2))
     for t in range(len(vectors)):
         for q in range(weights.shape[1]):
             _forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b)
-            shell_law(e, b, mu, lam, thickness, stiffness, nu, grad, no_hessian)
+            shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, no_hessian)
             _vector_gradient(v, normal, dual, grad, p, christoffel)
             for i in range(12):
                 for c in range(3):
@@ -159,7 +164,7 @@ def _vector_hessian(v, normal, dual, b, grad, hess, christoffel, h):
 
 @njit(cache=True)
 def _hessian(y, vectors, derivatives, weights, law, out):
-    mu, lam, thickness, stiffness, nu = law
+    mu, lam, thickness, stiffness, nu, measure = law
     v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
     e, b, grad, hess = np.empty(3), np.empty(3), np.empty(6), np.empty((6, 6))
     p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 9))
@@ -171,7 +176,7 @@ def _hessian(y, vectors, derivatives, weights, law, out):
             n = derivatives[t, q]
             w = weights[t, q]
             _forms(y, vectors[t], n, v, normal, dual, e, b)
-            shell_law(e, b, mu, lam, thickness, stiffness, nu, grad, hess)
+            shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, hess)
             _vector_gradient(v, normal, dual, grad, p, christoffel)
             _vector_hessian(v, normal, dual, b, grad, hess, christoffel, h)
             for a in range(5):
@@ -206,6 +211,7 @@ class HctShell:
     poisson_ratio : 1.
     thickness : mm.
     bending_stiffness : N mm.
+    bending_measure : "turn", "form" or "curvature", see `shell_law`.
     """
 
     part_names: tuple[str, ...] = ("membrane", "bending")
@@ -221,11 +227,15 @@ class HctShell:
         poisson_ratio: float,
         thickness: float,
         bending_stiffness: float,
+        bending_measure: str = "turn",
     ) -> None:
         derivatives, self.weights = hct_derivatives(corners, edge_normals)
         self.derivatives = np.ascontiguousarray(derivatives)
         self.vectors = np.ascontiguousarray(vectors, dtype=np.int64)
-        self.law = (shear_modulus, lame_lambda, thickness, bending_stiffness, poisson_ratio)
+        measure = BENDING_MEASURES.index(bending_measure)
+        self.law = (
+            shear_modulus, lame_lambda, thickness, bending_stiffness, poisson_ratio, measure
+        )  # fmt: skip
 
     def _arguments(self, y: FloatArray) -> tuple:
         return (y, self.vectors, self.derivatives, self.weights, self.law)

@@ -11,7 +11,12 @@ from flexscale.mechanics.energy import project_blocks
 from flexscale.mechanics.hct import QUADRATURE_POINTS, hct_derivatives, hct_ordinates
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mechanics.shell import HctShell
-from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
+from flexscale.mechanics.shell_law import (
+    BENDING_MEASURES,
+    bending_energy,
+    membrane_energy,
+    shell_law,
+)
 from flexscale.simplices import TET_EDGES
 from tests.derivatives import directional_difference, full_hessian, relative_error
 
@@ -220,19 +225,22 @@ def test_membrane_is_the_minimum_over_the_thickness_stretch():
     assert found == pytest.approx(brute.fun, rel=1e-10)
 
 
-def test_bending_uses_the_turn_per_rest_length():
-    """D/2 [(1 - nu) tr S^2 + nu (tr S)^2] with S = U^-1 b and U = sqrt(a) by eigenvalues."""
+@pytest.mark.parametrize(("measure", "power"), [("turn", -0.5), ("form", 0.0), ("curvature", -1.0)])
+def test_bending_measures(measure, power):
+    """D/2 [(1 - nu) tr S^2 + nu (tr S)^2] with S = U^-1 b, b or a^-1 b, U = sqrt(a)."""
     a = np.array([[1.3, 0.2], [0.2, 0.8]])
     b = np.array([[0.5, -0.1], [-0.1, 0.2]])
     values, modes = np.linalg.eigh(a)
-    s = modes @ np.diag(values**-0.5) @ modes.T @ b
+    s = modes @ np.diag(values**power) @ modes.T @ b
     expected = 0.5 * ((1 - NU) * np.trace(s @ s) + NU * np.trace(s) ** 2)
     parts = (np.array([1.3, 0.2, 0.8]), np.array([0.5, -0.1, 0.2]))
     area = np.sqrt(np.linalg.det(a))
-    assert bending_energy(*parts, area, NU) == pytest.approx(expected, rel=1e-13)
+    found = bending_energy(*parts, area, NU, BENDING_MEASURES.index(measure))
+    assert found == pytest.approx(expected, rel=1e-13)
 
 
-def test_shell_law_derivatives():
+@pytest.mark.parametrize("measure", range(len(BENDING_MEASURES)))
+def test_shell_law_derivatives(measure):
     """All 6 + 36 derivatives of the law in (a, b) against differences."""
     e = np.array([0.2, -0.07, -0.15])
     b = np.array([0.5, -0.3, 0.4])
@@ -242,15 +250,16 @@ def test_shell_law_derivatives():
         a = np.array([1.0 + s[0], s[1], 1.0 + s[2]])
         area = np.sqrt(a[0] * a[2] - a[1] ** 2)
         membrane = thickness * membrane_energy(*s[:3], MU, LAMBDA)
-        return membrane + stiffness * bending_energy(a, s[3:], area, NU)
+        return membrane + stiffness * bending_energy(a, s[3:], area, NU, measure)
 
     def gradient(s: np.ndarray) -> np.ndarray:
         out = np.empty(6)
-        shell_law(s[:3], s[3:], MU, LAMBDA, thickness, stiffness, NU, out, np.empty((0, 0)))
+        law = (MU, LAMBDA, thickness, stiffness, NU, measure)
+        shell_law(s[:3], s[3:], *law, out, np.empty((0, 0)))
         return out
 
     state, hessian = np.concatenate([e, b]), np.empty((6, 6))
-    shell_law(e, b, MU, LAMBDA, thickness, stiffness, NU, np.empty(6), hessian)
+    shell_law(e, b, MU, LAMBDA, thickness, stiffness, NU, measure, np.empty(6), hessian)
     for k, axis in enumerate(np.eye(6)):
         slope = directional_difference(lambda h, d=axis: energy(state + h * d), 1e-3)
         assert gradient(state)[k] == pytest.approx(slope, rel=1e-7)

@@ -9,14 +9,25 @@ from typing import Any
 import numpy as np
 
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import BentCell, CellProblem, CellState
+from flexscale.homogenize.cell_problem import CellProblem, CellState
 from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 
 SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
+_SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # the smallest that a start with too much energy is met with
+_EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
+
+_POINT = (
+    "curvature",
+    "state",
+    "rate",
+    "second_rate",
+    "energy_density",
+    "moment",
+)  # of a sample: a `_Point`
 
 
 @dataclass(frozen=True)
@@ -46,11 +57,30 @@ class Line:
 
 @dataclass
 class _Point:
-    """A converged state on the line, and dz/d|kappa| there."""
+    """A converged state on the line, with what is known of the way on from there.
+
+    rate and second_rate are dz/d|kappa| and its change since the state before, per |kappa|; energy
+    density in N/mm, moment in N.
+    """
 
     curvature: float
     z: FloatArray
     rate: FloatArray
+    second_rate: FloatArray
+    energy: float = 0.0
+    moment: float = 0.0
+    contact_pairs: int = 0
+
+    def allowed_energy(self, curvature: float) -> float:
+        """Energy density that a good start at a curvature beyond this one does not exceed, N/mm.
+
+        A multiple of what a quadratic law, or twice the present moment, lets expect there.
+        """
+        if self.curvature == 0.0:
+            return np.inf
+        quadratic = self.energy * (curvature / self.curvature) ** 2
+        linear = self.energy + 2.0 * self.moment * (curvature - self.curvature)
+        return _EXCESS * max(quadratic, linear)
 
 
 def follow_line(
@@ -61,8 +91,8 @@ def follow_line(
 ) -> Iterator[dict[str, Any]]:
     """Yield the line's samples one after the other, those of `finished` left out.
 
-    Each sample is predicted with dz/dkappa from the one before; a step that fails is halved. A
-    sample that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry
+    Each sample is predicted along dz/dkappa, or a parabola, from the one before. A step that fails
+    is halved, and one that starts too far from equilibrium where scales touch already. A sample that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry
     the state that the next one starts from, so a line taken up again goes on bit for bit.
 
     Yields
@@ -70,13 +100,13 @@ def follow_line(
     dict with curvature [mm-1], status and, if converged, the numbers of a sweep's sample, `state`
     and `rate`.
     """
-    point = _Point(0.0, problem.embedding.rest, np.zeros(0))
+    point = _Point(0.0, problem.embedding.rest, np.zeros(0), np.zeros(0))
     status = SolveStatus.converged
     _set_barrier(problem, None)
     for sample in finished:
         status = SolveStatus(sample["status"])
         if status == SolveStatus.converged:
-            point = _Point(sample["curvature"], sample["state"], sample["rate"])
+            point = _Point(*(sample.get(name, 0) for name in _POINT))
             _set_barrier(problem, sample)
     for curvature in line.curvatures[len(finished) :]:
         if status != SolveStatus.converged:
@@ -92,7 +122,7 @@ def follow_line(
         sample = {"curvature": curvature, "status": int(status), "newton_iterations": iterations}
         if status == SolveStatus.converged:
             sample |= _measure(problem, line, curvature, solution)
-            sample |= {"state": point.z, "rate": point.rate}
+            sample |= {"state": point.z, "rate": point.rate, "second_rate": point.second_rate}
         yield sample
         if status == SolveStatus.converged:
             _set_barrier(problem, sample)
@@ -119,7 +149,29 @@ def _start(problem: CellProblem, line: Line) -> tuple[_Point, Solution]:
     residual = float(np.linalg.norm(state.gradient))
     status = SolveStatus.converged
     solution = Solution(problem.embedding.rest, state, 0.0, status, 1, residual, negative)
-    return _Point(0.0, solution.z, _rate(problem, line, 0.0, solution)), solution
+    return _next_point(problem, line, None, 0.0, solution), solution
+
+
+def _next_point(
+    problem: CellProblem, line: Line, before: _Point | None, curvature: float, solution: Solution
+) -> _Point:
+    rate = _rate(problem, line, curvature, solution)
+    second = np.zeros_like(rate)
+    if before is not None:
+        second = (rate - before.rate) / (curvature - before.curvature)
+    numbers = _energy_and_moment(problem, line, curvature, solution)
+    contact, y = problem.contact, solution.evaluation.world.y
+    pairs = 0 if contact is None else contact.active_pairs(y)
+    return _Point(curvature, solution.z, rate, second, *numbers, pairs)
+
+
+def _energy_and_moment(
+    problem: CellProblem, line: Line, curvature: float, solution: Solution
+) -> tuple[float, float]:
+    """Energy density, and its derivative by the magnitude of the curvature."""
+    cell = problem.bent(line.bend(curvature))
+    moment = SIDE_SIGNS[line.side] * cell.moment(solution.evaluation)
+    return solution.evaluation.energy / problem.area, moment
 
 
 def _solve(
@@ -150,10 +202,15 @@ def _advance(
         share = min(share, 1.0 - done)
         target = curvature if done + share >= 1.0 else start + (done + share) * span
         predicted = _predict(problem, line, point, target)
+        if predicted is None and point.contact_pairs and share > _SMALLEST_CAUTIOUS_STEP:
+            share *= 0.5
+            continue
+        if predicted is None:
+            predicted = _squeeze(problem, line, point, target)
         solution = _solve(problem, line, target, predicted, options)
         iterations += solution.iterations
         if solution.status == SolveStatus.converged:
-            point = _Point(target, solution.z, _rate(problem, line, target, solution))
+            point = _next_point(problem, line, point, target, solution)
             done += share
             share *= 2.0
             if target == curvature:
@@ -164,19 +221,39 @@ def _advance(
                 return point, solution, iterations
 
 
-def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray:
-    """Start at `target`: along dz/dkappa as far as no scales meet on the straight way there.
+def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:
+    """The better start at `target` of those along dz/dkappa and along its parabola.
+
+    None if scales would meet on the straight way to both, or if both have so much energy that a
+    smaller step is the faster way: from there Newton may wander through buckled states.
+    """
+    span = target - point.curvature
+    straight = point.z + span * point.rate
+    best, lowest = None, point.allowed_energy(target)
+    for z in (straight, straight + 0.5 * span**2 * point.second_rate):
+        state = problem.bent(line.bend(target)).evaluate(z)
+        energy = state.energy / problem.area
+        if energy <= lowest and _is_free(problem, line, point, state):
+            best, lowest = z, energy
+    return best
+
+
+def _is_free(problem: CellProblem, line: Line, point: _Point, state: CellState) -> bool:
+    """Whether no scales meet on the straight way in the world from a point to a state."""
+    if problem.contact is None:
+        return True
+    start = problem.embedding.world_map.place(point.z, line.bend(point.curvature)).y
+    return problem.contact.free_share(start, state.world.y) >= 1.0
+
+
+def _squeeze(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray:
+    """Start at `target` along dz/dkappa only as far as no scales meet, which squeezes them.
 
     Where they meet even without moving, the start is not admissible: its entries are NaN.
     """
-    step = (target - point.curvature) * point.rate
-    if problem.contact is None:
-        return point.z + step
-    place = problem.embedding.world_map.place
-    start = place(point.z, line.bend(point.curvature)).y
     for share in (1.0, 0.75, 0.5, 0.25, 0.0):
-        z = point.z + share * step
-        if problem.contact.free_share(start, place(z, line.bend(target)).y) >= 1.0:
+        z = point.z + share * (target - point.curvature) * point.rate
+        if _is_free(problem, line, point, problem.bent(line.bend(target)).evaluate(z)):
             return z
     return np.full_like(point.z, np.nan)
 
@@ -185,12 +262,12 @@ def _measure(
     problem: CellProblem, line: Line, curvature: float, solution: Solution
 ) -> dict[str, Any]:
     """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
-    cell: BentCell = problem.bent(line.bend(curvature))
     state: CellState = solution.evaluation
+    energy_density, moment = _energy_and_moment(problem, line, curvature, solution)
     s = solution.z[-3:]
     numbers: dict[str, Any] = {
-        "energy_density": state.energy / problem.area,
-        "moment": SIDE_SIGNS[line.side] * cell.moment(state),
+        "energy_density": energy_density,
+        "moment": moment,
         "stretch": np.array([1.0 + s[0], 1.0 + s[1], s[2]]),
         "residual_norm": solution.residual_norm,
         "mean_offset": float(problem.embedding.mean_offset @ solution.z),

@@ -224,7 +224,9 @@ def _work_line(
 ) -> list[dict[str, Any]]:
     assert _worker_problem is not None
     samples = list(_run_line(_worker_problem, line, solver, checkpoint))
-    return [{k: v for k, v in s.items() if k not in ("state", "rate")} for s in samples]
+    return [
+        {k: v for k, v in s.items() if k not in ("state", "rate", "second_rate")} for s in samples
+    ]
 
 
 def _in_processes(

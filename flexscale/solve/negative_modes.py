@@ -8,6 +8,8 @@ import scipy.sparse.linalg
 from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.constraint import ConstrainedSystem
 
+RESTARTS = 10  # of the Lanczos iteration; more would cost more than another search direction
+
 
 def negative_modes(
     system: ConstrainedSystem, count: int, compliance: float = 0.0
@@ -18,13 +20,19 @@ def negative_modes(
 
     Returns
     -------
-    curvatures : (k,) negative eigenvalues, k <= count. modes : (n, k), orthonormal.
+    curvatures : (k,) negative eigenvalues; k < count if the iteration did not find all of them.
+    modes : (n, k), orthonormal.
     """
     n = len(system.constraint)
     inverse = scipy.sparse.linalg.LinearOperator(
         (n, n), matvec=lambda r: system.solve(r, 0.0, compliance)[0]
     )
     start = np.random.default_rng(0).standard_normal(n)
-    values, modes = scipy.sparse.linalg.eigsh(inverse, k=count, which="SA", v0=start, tol=1e-3)
+    try:
+        values, modes = scipy.sparse.linalg.eigsh(
+            inverse, k=count, which="SA", v0=start, tol=1e-3, ncv=4 * count + 16, maxiter=RESTARTS
+        )
+    except scipy.sparse.linalg.ArpackNoConvergence as error:
+        values, modes = error.eigenvalues, error.eigenvectors
     downward = values < 0.0
     return 1.0 / values[downward], modes[:, downward]

@@ -3,10 +3,10 @@
 Each iteration factorizes the Hessian as it is. Only if it has negative eigenvalues on the
 constraint is it changed, for the search direction alone: contact is replaced by its positive part,
 and modes that still curve downward are turned over (the saddle-free Newton step of Dauphin et al.
-2014, exact in the modes that matter, since the inertia tells how many there are). Where there are
-too many of them, all elements are replaced by their positive parts, and damped on the diagonal
-until positive. A stationary point with negative eigenvalues is a saddle: it is left along its most
-negative mode.
+2014, exact in the modes that matter, since the inertia tells how many there are). Where these are
+too many or not to be found, all elements are replaced by their positive parts, and damped on the
+diagonal until positive. A stationary point with negative eigenvalues is a saddle: it is left along
+its most negative mode.
 """
 
 from __future__ import annotations
@@ -218,19 +218,20 @@ def _direction(
     """
     values = problem.hessian_values(evaluation)
     system = problem.system
-    negative = remaining = system.factorize(values)
     gradient = evaluation.gradient + slope * system.constraint
+    negative = downward = system.factorize(values)
     if negative > 0:
         projected = problem.hessian_values(evaluation, CONTACT)
         if not np.array_equal(projected, values):
-            remaining = system.factorize(projected)
-    if remaining > MOST_MODES:
+            downward = system.factorize(projected)
+    if 0 < downward <= MOST_MODES:
+        step, mu = system.solve(-gradient, target, compliance)
+        curvatures, modes = negative_modes(system, downward, compliance)
+        if len(curvatures) == downward:
+            return step + modes @ (2.0 * (modes.T @ gradient) / curvatures), mu, negative, False
+    if downward > 0:
         _factorize_positive(problem, evaluation)
-        remaining = 0
     step, mu = system.solve(-gradient, target, compliance)
-    if remaining > 0:
-        curvatures, modes = negative_modes(system, remaining, compliance)
-        step += modes @ (2.0 * (modes.T @ gradient) / curvatures)
     return step, mu, negative, negative <= 0
 
 

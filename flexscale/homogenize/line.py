@@ -92,8 +92,9 @@ def follow_line(
     """Yield the line's samples one after the other, those of `finished` left out.
 
     Each sample is predicted along dz/dkappa, or a parabola, from the one before. A step that fails
-    is halved, and one that starts too far from equilibrium where scales touch already. A sample that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry
-    the state that the next one starts from, so a line taken up again goes on bit for bit.
+    is halved, and one that starts too far from equilibrium where scales touch already. A sample
+    that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry the
+    state that the next one starts from, so a line taken up again goes on bit for bit.
 
     Yields
     ------

@@ -298,3 +298,33 @@ def test_drawing_takes_two_seconds(tmp_path: Path) -> None:
         times.append(time.perf_counter() - start)
     # 2 s is the promise on a quiet machine; twice that on one that runs other tests.
     assert min(times) < 4.0
+
+
+def test_named_patterns_in_one_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "tiling", "gallery", "--named") == 0
+    assert capsys.readouterr().out == "patterns.png\n"
+    assert files() == ["patterns.png"]
+
+
+def test_a_named_pattern_is_drawn_with_its_own_shape(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawn = []
+    monkeypatch.setattr("flexscale.cli.tiling_draw.picture_of", drawn.append)
+    monkeypatch.setattr("flexscale.cli.tiling_draw.tiling_figure", lambda *_: None)
+    monkeypatch.setattr("flexscale.cli.tiling_draw.write_picture", lambda *_: None)
+    assert call(monkeypatch, "tiling", "draw", "pinwheel3") == 0
+    assert call(monkeypatch, "tiling", "draw", "arrowhead", "--parameters", "0", "0") == 0
+    assert capsys.readouterr().out == "pinwheel3.png\narrowhead.png\n"
+    assert drawn[0].family == "IH10" and "a" in drawn[0].edges
+    assert drawn[1].parameters == (0.0, 0.0)  # what is given goes before the catalog
+
+
+@pytest.mark.parametrize("typed", ["IH7", "7", "ih07", "IH007"])
+def test_a_number_written_otherwise_is_recognized(
+    typed: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "tiling", "draw", typed) == 2
+    assert "Did you mean 'IH07'?" in capsys.readouterr().err

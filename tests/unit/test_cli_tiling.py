@@ -318,7 +318,8 @@ def test_a_named_pattern_is_drawn_with_its_own_shape(
     assert call(monkeypatch, "tiling", "draw", "pinwheel3") == 0
     assert call(monkeypatch, "tiling", "draw", "arrowhead", "--parameters", "0", "0") == 0
     assert capsys.readouterr().out == "pinwheel3.png\narrowhead.png\n"
-    assert drawn[0].family == "IH10" and "a" in drawn[0].edges
+    assert drawn[0].family == "IH10"
+    assert "a" in drawn[0].edges
     assert drawn[1].parameters == (0.0, 0.0)  # what is given goes before the catalog
 
 

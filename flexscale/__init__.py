@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexscale.macro.fit import fit
     from flexscale.macro.model import MacroModel
     from flexscale.mechanics.contact_options import ContactOptions
+    from flexscale.mechanics.substrate_options import SubstrateOptions
     from flexscale.mesh.options import MeshOptions
     from flexscale.patterns.material import PETG, TPU, NeoHookean
     from flexscale.patterns.named import named_pattern, named_patterns
@@ -35,6 +36,7 @@ __all__ = [
     "NeoHookean",
     "Pattern",
     "SolverOptions",
+    "SubstrateOptions",
     "Tiling",
     "between",
     "families",
@@ -57,6 +59,7 @@ _HOMES = {
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",
     "SolverOptions": "flexscale.solve.newton",
+    "SubstrateOptions": "flexscale.mechanics.substrate_options",
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",
     "families": "flexscale.tilings",

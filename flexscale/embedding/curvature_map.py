@@ -10,8 +10,8 @@ the paper's map moved by 1/kappa so that kappa -> 0 is the identity. kappa > 0 c
 
 A lattice image of the cell is a rigid motion of it: P = w + (I + S) L for a lattice vector L, and
 vectors (the substrate's parameter gradients g) turn with the cylinder by kappa n . (X + (I + S) L),
-X a fixed anchor. Every quantity here therefore depends on three home unknowns and, for L != 0, on S
-= (Sxx, Syy, Sxy).
+X a fixed anchor. Every such quantity depends on three home unknowns and, for L != 0, on S = (Sxx,
+Syy, Sxy). Numbers (the substrate's edge angles) are the same in all images and under every bend.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
 
-POSITION, GRADIENT = 0, 1
+POSITION, GRADIENT, NUMBERS = 0, 1, 2
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class Bend:
 
 @dataclass(frozen=True)
 class ImageVectors:
-    """Positions of vertices and gradient vectors, in the home cell and its lattice images.
+    """Positions of vertices, gradient vectors and numbers, in the home cell and its lattice images.
 
     Attributes
     ----------
-    kinds : (n,) POSITION or GRADIENT.
+    kinds : (n,) POSITION, GRADIENT or NUMBERS.
     nodes : (n,) first of the three home unknowns in z.
     shifts : (n, 2) lattice vector of the image, mm.
     anchors : (n, 2) rest coordinates that set the frame of a gradient vector, mm.
@@ -131,6 +131,12 @@ def place_images(z, curvature, direction, kinds, nodes, shifts, anchors, x, jaco
                     jacobian[k, r, 3 + s] = (
                         jacobian[k, r, 0] * rates[0, s] + jacobian[k, r, 1] * rates[1, s]
                     )
+        elif kinds[k] == NUMBERS:
+            jacobian[k] = 0.0
+            for c in range(3):
+                x[k, c] = z[nodes[k] + c]
+                jacobian[k, c, c] = 1.0
+                kappa_rate[k, c] = 0.0
         else:
             q1 = _frame_angle(z, anchors[k], shifts[k], len(z), n0, n1)
             theta = curvature * q1
@@ -173,6 +179,7 @@ def curve_images(z, curvature, direction, kinds, nodes, shifts, anchors, forces,
         along_force = n0 * forces[k, 0] + n1 * forces[k, 1]
         up_force = forces[k, 2]
         hessian[k] = 0.0
+        mixed[k] = 0.0
         if kinds[k] == POSITION:
             _home_point(z, nodes[k], shifts[k], len(z), point)
             q1 = n0 * point[0] + n1 * point[1]
@@ -195,7 +202,7 @@ def curve_images(z, curvature, direction, kinds, nodes, shifts, anchors, forces,
                 hessian[k, i, 2] += d13 * ell[i]
                 hessian[k, 2, i] += d13 * ell[i]
             mixed[k, 2] -= q1 * tangential
-        else:
+        elif kinds[k] == GRADIENT:
             q1 = _frame_angle(z, anchors[k], shifts[k], len(z), n0, n1)
             sine, cosine = np.sin(curvature * q1), np.cos(curvature * q1)
             g0, g1, g2 = z[nodes[k]], z[nodes[k] + 1], z[nodes[k] + 2]
@@ -224,11 +231,13 @@ def flat_curvature_rates(images: ImageVectors, z: FloatArray) -> FloatArray:
     kappa_xy.
 
     x = w + (w . K w)/2 e3 - w3 K w to first order in the symmetric curvature tensor K; vectors turn
-    with the surface, g -> g + (g . K X) e3 - g3 K X. A unit kappa_xy is K = e1 e2 + e2 e1.
+    with the surface, g -> g + (g . K X) e3 - g3 K X; numbers stay. A unit kappa_xy is K = e1 e2 +
+    e2 e1.
     """
     tensors = np.array([[[1.0, 0], [0, 0]], [[0, 0], [0, 1.0]], [[0, 1.0], [1.0, 0]]])
     home = np.stack([z[images.nodes + c] for c in range(3)], axis=1)
     is_position = (images.kinds == POSITION)[:, None]
+    is_bent = images.kinds != NUMBERS
     place = np.where(is_position, home[:, :2], images.anchors) + images.shifts
     rates = np.zeros((3, len(images.kinds), 3))
     for k, tensor in enumerate(tensors):
@@ -239,4 +248,4 @@ def flat_curvature_rates(images: ImageVectors, z: FloatArray) -> FloatArray:
             0.5 * np.einsum("ni,ni->n", place, turn),
             np.einsum("ni,ni->n", home[:, :2], turn),
         )
-    return rates
+    return rates * is_bent[:, None]

@@ -11,11 +11,12 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
+from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.contact import ScaleContact, barrier_stiffness
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
-from flexscale.mechanics.shell import HctShell
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.mesh.torus import build_mesh
@@ -30,18 +31,8 @@ def plate_stiffness(material: NeoHookean, thickness: float) -> float:
 
 
 def _build_energies(embedding: CellEmbedding, model: CellModel) -> list[Energy]:
-    shell, mesh = embedding.shell, embedding.mesh
-    sheet, scale = model.substrate_material, model.scale_material
-    substrate = HctShell(
-        shell.corners,
-        shell.edge_normals,
-        shell.vectors,
-        shear_modulus=sheet.shear_modulus,
-        lame_lambda=sheet.lame_lambda,
-        poisson_ratio=sheet.poisson_ratio,
-        thickness=model.substrate_thickness,
-        bending_stiffness=plate_stiffness(sheet, model.substrate_thickness),
-    )
+    mesh, scale = embedding.mesh, model.scale_material
+    sheet, thickness = model.substrate_material, model.substrate_thickness
     scales = NeoHookeanTets(
         mesh.scale_positions,
         mesh.tets,
@@ -49,7 +40,8 @@ def _build_energies(embedding: CellEmbedding, model: CellModel) -> list[Energy]:
         scale.shear_modulus,
         scale.lame_lambda,
     )
-    return [substrate, scales]
+    substrate = build_substrate(embedding, sheet, thickness, plate_stiffness(sheet, thickness))
+    return [*substrate, scales]
 
 
 def _build_contact(embedding: CellEmbedding, model: CellModel) -> ScaleContact | None:
@@ -95,6 +87,7 @@ class CellModel:
     bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
     contact : how scales touch.
     linear_solver : "auto", "pardiso" or "superlu".
+    substrate : the elements of the sheet.
     """
 
     substrate_material: NeoHookean
@@ -104,6 +97,7 @@ class CellModel:
     bond_radius: float = 0.0
     contact: ContactOptions = field(default_factory=ContactOptions)
     linear_solver: str = "auto"
+    substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
 
     @classmethod
     def of_pattern(
@@ -111,6 +105,7 @@ class CellModel:
         pattern: Pattern,
         contact: ContactOptions | None = None,
         linear_solver: str = "auto",
+        substrate: SubstrateOptions | None = None,
     ) -> CellModel:
         """Materials and sizes of a pattern."""
         return cls(
@@ -121,6 +116,7 @@ class CellModel:
             pattern.bond_radius,
             contact or ContactOptions(),
             linear_solver,
+            substrate or SubstrateOptions(),
         )
 
 
@@ -150,7 +146,9 @@ class CellProblem:
     def __init__(self, mesh: PeriodicMesh, model: CellModel) -> None:
         self.mesh, self.model = mesh, model
         self.area = mesh.cell_area
-        self.embedding = CellEmbedding(mesh, model.bond_radius, model.contact.edge)
+        self.embedding = build_embedding(
+            mesh, model.substrate, model.bond_radius, model.contact.edge
+        )
         self.energies = _build_energies(self.embedding, model)
         self.contact = _build_contact(self.embedding, model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
@@ -196,11 +194,12 @@ class CellProblem:
         options: MeshOptions | None = None,
         *,
         contact: ContactOptions | None = None,
+        substrate: SubstrateOptions | None = None,
         linear_solver: str = "auto",
     ) -> CellProblem:
         """Mesh a pattern and set up its native model."""
         mesh = build_mesh(pattern, options or MeshOptions())
-        return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver))
+        return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver, substrate))
 
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
         """Room in the Hessian for contact at z alone: results must not depend on earlier states."""

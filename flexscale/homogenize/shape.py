@@ -15,6 +15,7 @@ from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.sweep import check_sweep
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
@@ -30,6 +31,7 @@ def solve_shapes(
     mesh: MeshOptions | None = None,
     solver: SolverOptions | None = None,
     contact: ContactOptions | None = None,
+    substrate: SubstrateOptions | None = None,
 ) -> xr.Dataset:
     """Displacements of scales and substrate under some bends.
 
@@ -37,7 +39,8 @@ def solve_shapes(
     ----------
     pattern : the scale pattern.
     bends : (side, direction [degree], curvature [mm-1, > 0]) of each sample.
-    mesh, solver, contact : element sizes, solver and contact options; the defaults if not given.
+    mesh, solver, contact, substrate : element sizes, solver, contact and substrate options; the
+        defaults if not given.
 
     Returns
     -------
@@ -46,9 +49,9 @@ def solve_shapes(
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     for side, direction, curvature in bends:
         check_sweep(pattern, [direction], [curvature], [side])
-    contact = contact or ContactOptions()
+    contact, substrate = contact or ContactOptions(), substrate or SubstrateOptions()
     problem = CellProblem.from_pattern(
-        pattern, mesh, contact=contact, linear_solver=solver.linear_solver
+        pattern, mesh, contact=contact, substrate=substrate, linear_solver=solver.linear_solver
     )
     display, triangles = problem.embedding.display_map()
     rest = display.place(problem.embedding.rest, Bend(0.0, 0.0)).y
@@ -86,6 +89,7 @@ def solve_shapes(
         "mesh": mesh.to_config(),
         "solver": solver.to_config(),
         "contact": contact.to_config(),
+        "substrate": substrate.to_config(),
         "bends": [list(bend) for bend in bends],
     }
     return build_dataset("shape", arrays, scalars=pattern_scalars(pattern, mesh), config=config)

@@ -23,6 +23,7 @@ from flexscale.homogenize.symmetry import (
 )
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import Pattern
@@ -78,6 +79,7 @@ def sweep(
     mesh: MeshOptions | None = None,
     solver: SolverOptions | None = None,
     contact: ContactOptions | None = None,
+    substrate: SubstrateOptions | None = None,
     symmetry: bool = True,
     workers: int | None = None,
     checkpoint: Checkpoint | None = None,
@@ -91,7 +93,8 @@ def sweep(
     directions : degree in [0, 180), measured from the x axis of the pattern's coordinates.
     curvatures : mm-1, non-negative and increasing.
     sides : of "closing", "opening".
-    mesh, solver, contact : element sizes, solver and contact options; the defaults if not given.
+    mesh, solver, contact, substrate : element sizes, solver, contact and substrate options; the
+        defaults if not given.
     symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
         sample in another as a check; False solves all.
     workers : processes, each with one thread; as many as there are cores if not given.
@@ -118,9 +121,9 @@ def sweep(
     check = check_line(sides, directions, sources, next((k for k in kappa if k > 0.0), 0.0))
     if check is not None:
         lines.append(check)
-    contact = contact or ContactOptions()
+    contact, substrate = contact or ContactOptions(), substrate or SubstrateOptions()
     problem = CellProblem.from_pattern(
-        pattern, mesh, contact=contact, linear_solver=solver.linear_solver
+        pattern, mesh, contact=contact, substrate=substrate, linear_solver=solver.linear_solver
     )
     workers = min(workers or os.cpu_count() or 1, len(lines))
     if workers > 1:
@@ -133,6 +136,7 @@ def sweep(
         "mesh": mesh.to_config(),
         "solver": solver.to_config(),
         "contact": contact.to_config(),
+        "substrate": substrate.to_config(),
         "symmetry": symmetry,
     }
     axes = (sides, directions, kappa)

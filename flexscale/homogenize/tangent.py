@@ -11,6 +11,7 @@ from flexscale.embedding.curvature_map import Bend, flat_curvature_rates
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 
@@ -92,7 +93,11 @@ def solve_tangent(problem: CellProblem) -> TangentStiffness:
 
 
 def tangent_stiffness(
-    pattern: Pattern, *, mesh: MeshOptions | None = None, linear_solver: str = "auto"
+    pattern: Pattern,
+    *,
+    mesh: MeshOptions | None = None,
+    substrate: SubstrateOptions | None = None,
+    linear_solver: str = "auto",
 ) -> TangentStiffness:
     """Bending stiffness tensor of a pattern at rest, in seconds.
 
@@ -100,6 +105,7 @@ def tangent_stiffness(
     ----------
     pattern : the scale pattern.
     mesh : element sizes; the default mesh if not given.
+    substrate : elements of the sheet; the default ones if not given.
     linear_solver : "auto", "pardiso" or "superlu".
 
     Examples
@@ -110,6 +116,7 @@ def tangent_stiffness(
     True
     """
     contact = ContactOptions(enabled=False)
-    return solve_tangent(
-        CellProblem.from_pattern(pattern, mesh, contact=contact, linear_solver=linear_solver)
+    problem = CellProblem.from_pattern(
+        pattern, mesh, contact=contact, substrate=substrate, linear_solver=linear_solver
     )
+    return solve_tangent(problem)

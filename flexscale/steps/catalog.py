@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 from flexscale.datasets.identity import Recipe
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
 
@@ -44,18 +45,43 @@ class Parameters(BaseModel):
         """The mesh options the parameters describe."""
         return MeshOptions(**self.mesh)
 
+    def identity(self) -> dict[str, Any]:
+        """What the recipe holds of the parameters."""
+        return self.model_dump(mode="json")
+
 
 class CellParameters(Parameters):
     """A pattern and its mesh options, nothing else."""
 
 
-class TangentParameters(Parameters):
+class NativeParameters(Parameters):
+    """Also substrate options: parameters of what the native model computes.
+
+    Without substrate options, or with the default ones, the recipe is the one it was before they
+    could be chosen: nothing is computed anew for a choice that changes nothing.
+    """
+
+    substrate: dict[str, Any] = SubstrateOptions().to_config()
+
+    def build_substrate_options(self) -> SubstrateOptions:
+        """The substrate options the parameters describe."""
+        return SubstrateOptions(**self.substrate)
+
+    def identity(self) -> dict[str, Any]:
+        """See `Parameters.identity`."""
+        chosen = super().identity()
+        if self.build_substrate_options() == SubstrateOptions():
+            del chosen["substrate"]
+        return chosen
+
+
+class TangentParameters(NativeParameters):
     """Also the directions (degree) at which the stiffness is tabulated."""
 
     directions: tuple[float, ...]
 
 
-class SweepParameters(Parameters):
+class SweepParameters(NativeParameters):
     """Also sides ("closing", "opening"), directions (degree), curvatures (mm-1), options.
 
     `symmetry` tells whether directions that the pattern makes equivalent are solved once.
@@ -79,7 +105,7 @@ class ShapeSample(BaseModel):
     curvature: float
 
 
-class ShapeParameters(Parameters):
+class ShapeParameters(NativeParameters):
     """Also the states to show, contact and solver options."""
 
     samples: tuple[ShapeSample, ...]
@@ -114,7 +140,7 @@ class Step:
 
     def recipe(self, parameters: Parameters) -> Recipe:
         """Identity of this step with these parameters, apart from its inputs."""
-        return Recipe(self.name, self.version, parameters.model_dump(mode="json"))
+        return Recipe(self.name, self.version, parameters.identity())
 
     @property
     def compute(self) -> Callable[[Any, Mapping[str, xr.Dataset], Resources], xr.Dataset]:

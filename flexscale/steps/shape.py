@@ -25,4 +25,5 @@ def compute(
         mesh=parameters.build_mesh_options(),
         solver=SolverOptions(**parameters.solver),
         contact=ContactOptions(**parameters.contact),
+        substrate=parameters.build_substrate_options(),
     )

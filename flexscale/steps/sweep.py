@@ -26,6 +26,7 @@ def compute(
         mesh=parameters.build_mesh_options(),
         solver=SolverOptions(**parameters.solver),
         contact=ContactOptions(**parameters.contact),
+        substrate=parameters.build_substrate_options(),
         symmetry=parameters.symmetry,
         workers=resources.workers,
         checkpoint=resources.checkpoint,

@@ -20,7 +20,8 @@ def compute(
 ) -> xr.Dataset:
     """Dataset of kind tangent/1."""
     pattern, options = parameters.build_pattern(), parameters.build_mesh_options()
-    tangent = tangent_stiffness(pattern, mesh=options)
+    substrate = parameters.build_substrate_options()
+    tangent = tangent_stiffness(pattern, mesh=options, substrate=substrate)
     return build_tangent_dataset(
         tangent.matrix,
         parameters.directions,

@@ -1,0 +1,171 @@
+"""The periodic cell with the paper's sheet: linear triangles in the gaps, bent by edge normals.
+
+The sheet's unknowns, behind those of the scales:
+
+- w of every free substrate vertex (3);
+- with edge angles, xi of every gap edge; it takes three places in z, of which two are held at 0.
+
+Across an outline edge a gap triangle meets the triangle under the scale. A vertex of that triangle
+follows the scale's base as it does elsewhere if it lies on the outline; one strictly under the
+scale follows the affine motion that is fitted to the base around the middle of the edge, so that
+both sides of the bond feel the base over the same radius. The two kinds of sheet differ there:
+
+- with edge angles the normal of an outline edge is the one of the triangle under the scale, which
+  is bonded and does not bend;
+- averaged normals lie halfway between the two triangles, so the one under the scale bends too, by
+  its outline edges alone. Its share depends on its size: that is a fault of averaged normals.
+
+PAPER: shape operators on all triangles, under scales also. WE: only where the sheet can bend. WHY:
+what is bonded to a scale turns with it; a bending energy there would soften every hinge by the size
+of its elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexscale.embedding.cell import CellEmbedding
+from flexscale.embedding.curvature_map import NUMBERS, POSITION
+from flexscale.embedding.rows import FREE_ROW, Rows
+from flexscale.mechanics.edge_angles import EdgeStencils
+from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mesh.periodic_mesh import COVERED, FREE, GAP_EDGE, PeriodicMesh
+
+
+class EdgeAngleCell(CellEmbedding):
+    """Unknowns of a cell whose sheet is made of linear triangles.
+
+    Parameters
+    ----------
+    mesh, bond_radius, contact_edge : see `CellEmbedding`.
+    angles : whether edges have an angle xi, or averaged normals.
+
+    Attributes
+    ----------
+    n_gap : number of triangles in the gaps; they come first among the stencils.
+    stencils : triangles that bend.
+    """
+
+    n_gap: int
+    stencils: EdgeStencils
+
+    def __init__(
+        self,
+        mesh: PeriodicMesh,
+        bond_radius: float = 0.0,
+        contact_edge: float = 0.0,
+        angles: bool = True,
+    ) -> None:
+        self.angles = angles
+        self._mate, self._sign = _mates(mesh)
+        super().__init__(mesh, bond_radius, contact_edge)
+
+    def _number_sheet(self, start: int) -> int:
+        mesh = self.mesh
+        free = np.flatnonzero(mesh.vertex_kind == FREE)
+        self.vertex_node = np.full(mesh.n_vertices, -1, dtype=np.int64)
+        self.vertex_node[free] = start + 3 * np.arange(len(free))
+        start += 3 * len(free)
+        self.edge_node = np.full(mesh.n_edges, -1, dtype=np.int64)
+        gap = np.flatnonzero(mesh.edge_scale == GAP_EDGE) if self.angles else np.zeros(0, int)
+        self.edge_node[gap] = start + 3 * np.arange(len(gap))
+        return start + 3 * len(gap)
+
+    def _set_sheet_rest(self, rest: FloatArray) -> None:
+        """Edge angles vanish at rest."""
+
+    def _held_unknowns(self) -> IntArray:
+        nodes = self.edge_node[self.edge_node >= 0]
+        return np.concatenate([nodes + 1, nodes + 2])
+
+    def _add_sheet(self, rows: Rows) -> None:
+        mesh = self.mesh
+        covered = mesh.triangle_scale >= 0
+        gap, bending = np.flatnonzero(~covered), np.flatnonzero(~covered)
+        if not self.angles:
+            on_outline = mesh.edge_scale[mesh.triangle_edges] >= 0
+            bending = np.concatenate([gap, np.flatnonzero(covered & on_outline.any(axis=1))])
+        self.n_gap = len(gap)
+        vectors = np.empty((len(bending), 9 if self.angles else 6), dtype=np.int64)
+        shares, signs = np.zeros((2, len(bending), 3))
+        for e, triangle in enumerate(bending.tolist()):
+            found = list(self._corner_rows(rows, triangle))
+            for i in range(3):
+                edge = int(mesh.triangle_edges[triangle, i])
+                row = found[(i + 2) % 3]  # of no effect where the share is 0
+                if mesh.edge_scale[edge] >= 0:
+                    shares[e, i] = 1.0 if self.angles else 0.5
+                elif not covered[triangle]:
+                    shares[e, i] = 0.5
+                if shares[e, i] > 0.0:
+                    row = self._across_row(rows, triangle, i)
+                    # Of three triangles around a vertex, each meets one vertex across two edges.
+                    row = rows.copy(row) if row in found else row
+                found.append(row)
+            if self.angles:
+                for i in range(3):
+                    edge = int(mesh.triangle_edges[triangle, i])
+                    signs[e, i] = self._sign[triangle, i] if self.edge_node[edge] >= 0 else 0.0
+                    found.append(self._angle_row(rows, edge) if signs[e, i] else found[i])
+            vectors[e] = found
+        corners = mesh.corner_positions()[bending]
+        self.stencils = EdgeStencils(corners, vectors, shares, signs)
+
+    def _corner_rows(self, rows: Rows, triangle: int) -> Iterator[int]:
+        """Rows of a triangle's corners, as its outline edge sees them if it is covered."""
+        mesh = self.mesh
+        edges = np.flatnonzero(mesh.edge_scale[mesh.triangle_edges[triangle]] >= 0)
+        for corner in range(3):
+            if mesh.triangle_scale[triangle] >= 0:
+                offset = mesh.triangle_edge_offsets[triangle, edges[0]]
+                yield self._seen_row(rows, triangle, int(edges[0]), corner, offset)
+            else:
+                vertex = int(mesh.triangles[triangle, corner])
+                yield self._position_row(rows, vertex, mesh.triangle_offsets[triangle, corner])
+
+    def _across_row(self, rows: Rows, triangle: int, i: int) -> int:
+        """Row with the position of the vertex across edge i of a triangle."""
+        mesh = self.mesh
+        other, j = divmod(int(self._mate[triangle, i]), 3)
+        offset = mesh.triangle_edge_offsets[triangle, i]
+        return self._seen_row(rows, other, j, (j + 2) % 3, offset)
+
+    def _seen_row(
+        self, rows: Rows, triangle: int, j: int, corner: int, edge_offset: IntArray
+    ) -> int:
+        """Row of a triangle's corner, the triangle placed with its edge j at a lattice offset."""
+        mesh = self.mesh
+        vertex = int(mesh.triangles[triangle, corner])
+        offset = mesh.triangle_offsets[triangle, corner] - mesh.triangle_edge_offsets[triangle, j]
+        if mesh.vertex_kind[vertex] != COVERED:
+            return self._position_row(rows, vertex, edge_offset + offset)
+        edge = int(mesh.triangle_edges[triangle, j])
+        key = ("under", edge, *edge_offset.tolist())
+        if key in rows.row_of:
+            return rows.row_of[key]
+        shift = edge_offset @ mesh.lattice
+        arm = mesh.positions[vertex] + offset @ mesh.lattice - self.edge_middle[edge]
+        carriers, values, slopes = self._bond_row(self._edge_bond[edge])
+        terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
+        zero = np.zeros_like(values)
+        return rows.add(key, terms, np.stack([values + slopes @ arm, zero, zero], axis=1))
+
+    def _angle_row(self, rows: Rows, edge: int) -> int:
+        """Row whose first component is xi of an edge, the same in all lattice images."""
+        key = ("angle", edge)
+        if key in rows.row_of:
+            return rows.row_of[key]
+        image = rows.image(NUMBERS, int(self.edge_node[edge]), np.zeros(2), np.zeros(2))
+        return rows.add(key, [image], FREE_ROW)
+
+
+def _mates(mesh: PeriodicMesh) -> tuple[IntArray, FloatArray]:
+    """Of every side of a triangle (n_triangles, 3): 3 t + i of the other side of its edge, and +1
+    on one of the two sides, -1 on the other."""
+    order = np.argsort(mesh.triangle_edges.ravel(), kind="stable").reshape(-1, 2)
+    mate, sign = np.empty(order.size, dtype=np.int64), np.empty(order.size)
+    mate[order], mate[order[:, ::-1]] = order[:, ::-1], order
+    sign[order] = [1.0, -1.0]
+    return mate.reshape(-1, 3), sign.reshape(-1, 3)

@@ -1,0 +1,171 @@
+"""Cells with the paper's substrate elements: exact cases, derivatives, invariances."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import flexscale as fs
+from flexscale.embedding.curvature_map import Bend
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.tangent import solve_tangent
+from flexscale.mesh.bare import build_bare_mesh
+from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.status import SolveStatus
+from tests.derivatives import directional_difference, multiply_upper, relative_error
+from tests.physics.cells import RIGID, D, hexagon, square
+
+OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
+EDGE_ANGLE = fs.SubstrateOptions("edge_angle")
+AVERAGED = fs.SubstrateOptions("averaged_normals")
+
+
+@pytest.fixture(scope="module")
+def cell():
+    """The default cell of the pattern that `make` builds, each set up once."""
+    return cache(lambda make, options: CellProblem.from_pattern(make(), substrate=options))
+
+
+def test_bare_sheet_is_an_isotropic_plate():
+    """Edge angles hold every quadratic height, so the tangent is exact on any mesh."""
+    model = CellModel.of_pattern(square(), substrate=EDGE_ANGLE)
+    problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), model)
+    nu = fs.TPU.poisson_ratio
+    expected = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
+    assert solve_tangent(problem).matrix == pytest.approx(expected, abs=1e-9 * D)
+
+
+def test_averaged_normals_are_no_plate():
+    """Crossed diagonals: up to twice as stiff as the plate, and not isotropic; no mesh cures it."""
+    model = CellModel.of_pattern(square(), substrate=AVERAGED)
+    for size in (1.5, 0.75):
+        problem = CellProblem(build_bare_mesh(OBLIQUE, size), model)
+        a = solve_tangent(problem).stiffness(np.arange(0.0, 180.0, 15.0)) / D
+        assert a.max() > 1.5
+        assert np.ptp(a) > 0.3
+
+
+def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
+    """Chords of a circle: second order in the element size, to the same law at 0.1 mm-1."""
+
+    def moment(options: fs.SubstrateOptions, size: float) -> float:
+        model = CellModel.of_pattern(square(), substrate=options)
+        problem = CellProblem(build_bare_mesh(OBLIQUE, size), model)
+        bent = problem.bent(Bend(0.1, 0.6))
+        solution = solve_equilibrium(bent, problem.embedding.rest, SolverOptions())
+        assert solution.status == SolveStatus.converged
+        return bent.moment(solution.evaluation)
+
+    limit = moment(fs.SubstrateOptions("c1"), 0.6)
+    errors = [moment(EDGE_ANGLE, size) / limit - 1.0 for size in (0.6, 0.3)]
+    assert abs(errors[1]) < 2e-4
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
+
+
+@pytest.mark.parametrize("make", [square, hexagon])
+@pytest.mark.parametrize("options", [EDGE_ANGLE, AVERAGED])
+def test_derivatives_of_the_bent_cell(cell, make, options):
+    """Gradient, unprojected Hessian, moment and load rate at a random state, in all unknowns."""
+    problem = cell(make, options)
+    generator = np.random.default_rng(4)
+    rest = problem.embedding.rest
+    z = rest + 2e-3 * generator.normal(size=len(rest))
+    bend = Bend(0.03, 0.4)
+    bent, state = problem.bent(bend), problem.bent(bend).evaluate(z)
+    direction = np.zeros(len(rest))
+    direction[problem.active] = generator.normal(size=len(problem.active))
+
+    slope = directional_difference(lambda h: bent.evaluate(z + h * direction).energy, 1e-5)
+    assert relative_error(state.gradient @ direction[problem.active], slope) < 1e-8
+    curve = directional_difference(lambda h: bent.evaluate(z + h * direction).gradient, 1e-5)
+    upper = bent.hessian_values(state)
+    product = multiply_upper(problem.pull_back, upper, direction[problem.active])
+    assert relative_error(product, curve) < 1e-8
+
+    def at(h):
+        return problem.bent(Bend(bend.curvature + h, bend.direction)).evaluate(z)
+
+    slope = directional_difference(lambda h: at(h).energy, 1e-5)
+    assert relative_error(bent.moment(state) * problem.area, slope) < 1e-8
+    rate = directional_difference(lambda h: at(h).gradient, 1e-5)
+    assert relative_error(bent.gradient_rate(state), rate) < 1e-8
+
+
+def test_edge_angles_make_exact_hinges():
+    """Rigid squares along a side, a = D P / g: one smooth bend across each gap, 2 % as for C1."""
+    tangent = fs.tangent_stiffness(square(scale_material=RIGID), substrate=EDGE_ANGLE)
+    assert tangent.stiffness(0.0) == pytest.approx(24.8 * D, rel=0.02)
+
+
+def test_averaged_normals_halve_a_hinge():
+    """Zigzags of the faces' normals cost nothing but what the rims under the scales do."""
+    tangent = fs.tangent_stiffness(square(scale_material=RIGID), substrate=AVERAGED)
+    assert 0.3 < tangent.stiffness(0.0) / (24.8 * D) < 0.7
+
+
+@pytest.mark.parametrize(("make", "direction"), [(square, 45.0), (hexagon, 20.0)])
+def test_edge_angles_converge_from_below(make, direction):
+    """S-shaped strips: C1 from above, edge angles from below; together they bracket the truth."""
+    found = []
+    for size in (0.6, 0.3, 0.15):
+        mesh = fs.MeshOptions(
+            across=2, along=size, corner=size, scale_strips=0, scale_layers=1, scale_order=1
+        )
+        pattern = make(scale_material=RIGID)
+        found.append(fs.tangent_stiffness(pattern, mesh=mesh, substrate=EDGE_ANGLE))
+    smooth = fs.tangent_stiffness(make(scale_material=RIGID))
+    a = [tangent.stiffness(direction) for tangent in [*found, smooth]]
+    assert a == sorted(a)
+    assert a[0] < 0.4 * a[3]
+
+
+def test_hexagons_are_isotropic_at_rest(cell):
+    """Edges have no preferred side: the mesh's six-fold symmetry is the element's too."""
+    a = solve_tangent(cell(hexagon, EDGE_ANGLE)).stiffness(np.arange(0.0, 180.0, 7.0))
+    assert np.ptp(a) < 1e-6 * a.mean()
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0])
+def test_tangent_is_the_initial_slope_of_a_sweep(cell, degrees):
+    problem = cell(square, EDGE_ANGLE)
+    bent = problem.bent(Bend(1e-4, np.radians(degrees)))
+    solution = solve_equilibrium(bent, problem.embedding.rest, SolverOptions())
+    slope = bent.moment(solution.evaluation) / 1e-4
+    assert slope == pytest.approx(solve_tangent(problem).stiffness(degrees), rel=1e-3)
+
+
+SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+SLANTED = np.array([[0.0, 0.0], [11.0, 0.0], [13.0, 8.0], [2.0, 8.0]])
+COARSE = fs.MeshOptions(along=2.5, corner=0.4, scale_size=4.0, scale_layers=1)
+
+
+def moments(pattern: fs.Pattern, direction: float = 25.0) -> np.ndarray:
+    """Moments to both sides at 0.008 mm-1."""
+    data = fs.sweep(
+        pattern, [direction], [0.0, 0.008], mesh=COARSE, substrate=EDGE_ANGLE, workers=1
+    )
+    assert (data.status == 0).all()
+    return data.moment.values[:, 0, 1]
+
+
+def test_origin_cell_and_axes_do_not_matter():
+    """A moved pattern, other lattice vectors, and pattern and direction turned together."""
+    expected = moments(fs.Pattern.from_polygons([SLANTED], SLANTED[1], SLANTED[3]))
+    moved = fs.Pattern.from_polygons([SLANTED + np.array([3.7, -2.2])], SLANTED[1], SLANTED[3])
+    other = fs.Pattern.from_polygons([SLANTED], SLANTED[1], SLANTED[1] + SLANTED[3])
+    c, s = np.cos(np.radians(33.0)), np.sin(np.radians(33.0))
+    r = np.array([[c, -s], [s, c]])
+    turned = fs.Pattern.from_polygons([SLANTED @ r.T], r @ SLANTED[1], r @ SLANTED[3])
+    assert moments(moved) == pytest.approx(expected, rel=1e-8)
+    assert moments(other) == pytest.approx(expected, rel=1e-8)
+    assert moments(turned, 58.0) == pytest.approx(expected, rel=1e-8)
+
+
+def test_supercell():
+    """Two copies in one cell: edge angles are shared by the images of one cell, not by copies."""
+    single = fs.Pattern.from_polygons([SQUARE], (10.0, 0.0), (0.0, 10.0))
+    copies = [SQUARE, SQUARE + np.array([10.0, 0.0])]
+    double = fs.Pattern.from_polygons(copies, (20.0, 0.0), (0.0, 10.0))
+    assert moments(double) == pytest.approx(moments(single), rel=1e-8)

@@ -40,7 +40,8 @@ def _build_energies(embedding: CellEmbedding, model: CellModel) -> list[Energy]:
         scale.shear_modulus,
         scale.lame_lambda,
     )
-    substrate = build_substrate(embedding, sheet, thickness, plate_stiffness(sheet, thickness))
+    stiffness = plate_stiffness(sheet, thickness)
+    substrate = build_substrate(embedding, model.substrate, sheet, thickness, stiffness)
     return [*substrate, scales]
 
 

@@ -25,7 +25,11 @@ def build_embedding(
 
 
 def build_substrate(
-    embedding: CellEmbedding, material: NeoHookean, thickness: float, bending_stiffness: float
+    embedding: CellEmbedding,
+    options: SubstrateOptions,
+    material: NeoHookean,
+    thickness: float,
+    bending_stiffness: float,
 ) -> list[Energy]:
     """Energies of the substrate, membrane before bending; thickness in mm, stiffness in N mm."""
     if isinstance(embedding, C1Cell):
@@ -38,6 +42,7 @@ def build_substrate(
             poisson_ratio=material.poisson_ratio,
             thickness=thickness,
             bending_stiffness=bending_stiffness,
+            bending_measure=options.bending_measure,
         )
         return [shell]
     assert isinstance(embedding, EdgeAngleCell)

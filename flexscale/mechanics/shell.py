@@ -18,12 +18,8 @@ from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, hct_derivatives
-from flexscale.mechanics.shell_law import (
-    BENDING_MEASURES,
-    bending_energy,
-    membrane_energy,
-    shell_law,
-)
+from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
+from flexscale.mechanics.substrate_options import BENDING_MEASURES
 
 _N_VECTORS = 5
 _NO_HESSIAN = np.empty((0, 0))

@@ -27,8 +27,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-BENDING_MEASURES = ("turn", "form", "curvature")
-TURN, FORM, CURVATURE = range(3)
+TURN, FORM, CURVATURE = range(3)  # bending measures
 
 
 @njit(cache=True)
@@ -76,7 +75,7 @@ def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, measure, grad, he
     """Gradient (6,) and Hessian (6, 6) of the energy per rest area in s = (a11, a12, a22, b11, b12,
     b22).
 
-    `e` = a - I as (11, 12, 22), `b` [mm-1], `measure` counts in `BENDING_MEASURES`. Pass `hess` of
+    `e` = a - I as (11, 12, 22), `b` [mm-1], `measure` one of the three. Pass `hess` of
     shape (0, 0) to skip it.
     """
     a0, a1, a2 = 1.0 + e[0], e[1], 1.0 + e[2]

@@ -11,12 +11,8 @@ from flexscale.mechanics.energy import project_blocks
 from flexscale.mechanics.hct import QUADRATURE_POINTS, hct_derivatives, hct_ordinates
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mechanics.shell import HctShell
-from flexscale.mechanics.shell_law import (
-    BENDING_MEASURES,
-    bending_energy,
-    membrane_energy,
-    shell_law,
-)
+from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
+from flexscale.mechanics.substrate_options import BENDING_MEASURES
 from flexscale.simplices import TET_EDGES
 from tests.derivatives import directional_difference, full_hessian, relative_error
 

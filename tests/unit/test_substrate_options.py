@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import flexscale as fs
-from flexscale.errors import UnknownNameError
+from flexscale.errors import ConfigError, UnknownNameError
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import STEPS, TangentParameters
 from flexscale.steps.experiment import parse_experiment
@@ -34,6 +34,14 @@ def test_unknown_element_is_refused_with_a_hint():
         parse_experiment(CONTENT | {"substrate": {"element": "C2"}}, "file.yaml")
 
 
+def test_bending_measures_are_for_c1_triangles():
+    assert fs.SubstrateOptions(bending_measure="form").to_config()["bending_measure"] == "form"
+    with pytest.raises(UnknownNameError, match="no bending measure 'shape'"):
+        fs.SubstrateOptions(bending_measure="shape")
+    with pytest.raises(ConfigError, match="'edge_angle' has its own"):
+        fs.SubstrateOptions("edge_angle", bending_measure="form")
+
+
 def test_options_come_back_from_their_config():
     options = fs.SubstrateOptions("averaged_normals")
     assert fs.SubstrateOptions(**options.to_config()) == options
@@ -49,7 +57,7 @@ def test_naming_the_default_changes_no_identity():
     pattern = fs.Pattern(fs.Tiling("IH76")).to_config()
     parameters = TangentParameters(pattern=pattern, mesh=COARSE.to_config(), directions=(0.0,))
     assert "substrate" not in STEPS["tangent"].recipe(parameters).parameters
-    assert parameters.model_dump()["substrate"] == {"element": "c1"}
+    assert parameters.model_dump()["substrate"] == fs.SubstrateOptions().to_config()
 
 
 def test_steps_compute_with_the_element_they_name():

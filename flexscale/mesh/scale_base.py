@@ -6,7 +6,10 @@ its elements must be small; along the outline they may stay long.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -14,85 +17,107 @@ from scipy.spatial import cKDTree
 
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.prototile import SAME_POINT, Filling, fill_region
+from flexscale.mesh.quality import triangle_qualities
 from flexscale.mesh.strip import split_row
 from flexscale.mesh.wedge import make_region
-from flexscale.patterns.outlines import mitre_points
+from flexscale.patterns.outlines import inset_corners, inset_edges, merge_runs
 from flexscale.patterns.symmetry import Isometry
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
-DEEPEST = 0.5  # of the inset at which the base would vanish: strips stay clear of it
+DEEPEST = 0.5  # of the inset at which the base would fall apart: strips stay clear of it
+FLATTEST = 0.05  # quality: a strip with worse triangles is left out
+SHORT = 0.2  # of a strip's width: nodes on its inner side that are closer become one
+
+
+@dataclass(frozen=True)
+class Row:
+    """Nodes (n, 2) on a closed line, counterclockwise, mm.
+
+    Attributes
+    ----------
+    kinks : (n,) whether the line turns there.
+    first_half : (n,) whether the segment after a node lies in the first half of its chain.
+    """
+
+    nodes: FloatArray
+    kinks: BoolArray
+    first_half: BoolArray
 
 
 def build_base(
-    nodes: FloatArray,
-    kinks: NDArray[np.bool_],
-    symmetries: tuple[Isometry, ...],
-    center: FloatArray,
-    options: MeshOptions,
+    outline: Row, symmetries: tuple[Isometry, ...], center: FloatArray, options: MeshOptions
 ) -> Filling:
     """Triangulate the base of a scale.
 
-    Strips stop where the outline's inset would lose a corner.
+    Strips stop where the base is too narrow or too pointed for them.
 
     Parameters
     ----------
-    nodes : (n, 2) nodes on the outline, counterclockwise, mm.
-    kinks : (n,) whether the outline turns there.
     symmetries : of the tile; center : (2,) their fixed point, mm.
     """
-    rows = _inset_rows(nodes, kinks, options)
-    core = fill_region(
-        make_region([rows[-1]], symmetries, center, True), options.scale_size, options.growth
-    )
-    n = len(nodes)
-    outside = n * (len(rows) - 1)
-    points = np.concatenate([*rows[:-1], core.points])
-    first_half = _in_first_half(nodes, kinks)
-    strips = [split_row(points, n * row, n * (row + 1), first_half) for row in range(len(rows) - 1)]
-    triangles = np.concatenate([*strips, outside + core.triangles])
-    return Filling(points, triangles, _orbits(points, symmetries, center))
-
-
-def _inset_rows(
-    nodes: FloatArray, kinks: NDArray[np.bool_], options: MeshOptions
-) -> list[FloatArray]:
-    """Rows (n, 2) of nodes from the outline inward, a strip between any two."""
-    corners = np.flatnonzero(kinks)
-    shifted = np.roll(nodes, -corners[0], axis=0)  # begins at a corner
-    edge, fraction = _places(shifted, np.roll(kinks, -corners[0]))
-    polygon = nodes[corners]
-    rows, width, depth = [nodes], options.scale_rim, 0.0
+    rows, triangles, start = [outline], [], 0
+    width, depth = options.scale_rim, 0.0
     for _ in range(options.scale_strips):
-        inset = mitre_points(polygon, (depth + width) / DEEPEST)
-        if inset is None:
-            break
         depth += width
-        ends = mitre_points(polygon, depth)
-        assert ends is not None  # a smaller inset keeps the corners of a larger one
-        row = ends[edge] + fraction[:, None] * (np.roll(ends, -1, axis=0) - ends)[edge]
-        rows.append(np.roll(row, corners[0], axis=0))
+        too_narrow = inset_corners(outline.nodes[outline.kinks], depth / DEEPEST) is None
+        found = None if too_narrow else _next_row(rows[-1], width)
+        if found is None:
+            break
+        row, opposite = found
+        n = len(opposite)
+        points = np.concatenate([rows[-1].nodes, row.nodes])
+        strip = split_row(points, np.arange(n), n + opposite, rows[-1].first_half)
+        if triangle_qualities(points, strip).min() < FLATTEST:
+            break
+        triangles.append(start + strip)
+        rows.append(row)
+        start += n
         width *= options.scale_growth
-    return rows
+    core = fill_region(
+        make_region([rows[-1].nodes], symmetries, center, True), options.scale_size, options.growth
+    )
+    points = np.concatenate([*(row.nodes for row in rows[:-1]), core.points])
+    return Filling(
+        points,
+        np.concatenate([*triangles, start + core.triangles]),
+        _orbits(points, symmetries, center),
+    )
 
 
-def _places(nodes: FloatArray, kinks: NDArray[np.bool_]) -> tuple[IntArray, FloatArray]:
-    """Edge (n,) of the outline that each node lies on, and its fraction (n,) of it."""
-    edge = np.cumsum(kinks) - 1
-    starts = nodes[kinks]
-    spans = np.roll(starts, -1, axis=0) - starts
-    arms = nodes - starts[edge]
+def _next_row(row: Row, width: float) -> tuple[Row, IntArray] | None:
+    """The row of nodes at a distance inside a row, and the node (n,) opposite each of the latter.
+
+    Nodes that come too close to each other, and those around an edge that is lost, become one.
+    """
+    images = inset_edges(row.nodes[row.kinks], width)
+    if images is None:
+        return None
+    edge, fraction = _places(row)
+    start, end = images[edge].transpose(1, 0, 2)
+    nodes = start + fraction[:, None] * (end - start)
+    apart = np.linalg.norm(np.roll(nodes, -1, axis=0) - nodes, axis=1) > SHORT * width
+    if np.count_nonzero(apart) < 3:
+        return None
+    nodes, opposite = merge_runs(nodes, apart)
+    kinks = np.zeros(len(nodes), dtype=bool)
+    np.logical_or.at(kinks, opposite, row.kinks)
+    if not shapely.Polygon(nodes).is_valid or np.count_nonzero(kinks) < 3:
+        return None
+    first_half = np.empty(len(nodes), dtype=bool)
+    first_half[opposite[apart]] = row.first_half[apart]
+    return Row(nodes, kinks, first_half), opposite
+
+
+def _places(row: Row) -> tuple[IntArray, FloatArray]:
+    """Edge (n,) of a row's polygon that each node lies on, and its fraction (n,) of it."""
+    corners = row.nodes[row.kinks]
+    edge = (np.cumsum(row.kinks) - 1) % len(corners)
+    spans = np.roll(corners, -1, axis=0) - corners
+    arms = row.nodes - corners[edge]
     return edge, np.sum(arms * spans[edge], axis=1) / np.sum(spans[edge] ** 2, axis=1)
-
-
-def _in_first_half(nodes: FloatArray, kinks: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether the segment after each node lies in the first half of its edge of the outline."""
-    first = np.flatnonzero(kinks)[0]
-    _, fraction = _places(np.roll(nodes, -first, axis=0), np.roll(kinks, -first))
-    ahead = np.roll(fraction, -1)
-    ahead[ahead == 0.0] = 1.0
-    return np.roll(0.5 * (fraction + ahead) < 0.5, first)
 
 
 def _orbits(points: FloatArray, symmetries: tuple[Isometry, ...], center: FloatArray) -> IntArray:

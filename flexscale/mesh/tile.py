@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,10 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import COVERED, FREE, OUTLINE, OUTLINE_CORNER
 from flexscale.mesh.prisms import extrude
 from flexscale.mesh.prototile import Filling, fill_region
-from flexscale.mesh.scale_base import build_base
-from flexscale.mesh.strip import Ring, build_strips, node_loop, polygon_nodes
+from flexscale.mesh.quality import triangle_qualities
+from flexscale.mesh.scale_base import Row, build_base
+from flexscale.mesh.strip import Ring, build_strips
+from flexscale.mesh.subdivision import LoopNodes, in_first_half, subdivide_loop, turns
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns import Prototile
 from flexscale.patterns.cell import SHARP_TURN, turning_angles
@@ -21,7 +23,9 @@ from flexscale.patterns.outlines import mitre_points
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-STRAIGHT = 1e-5  # radians: the outline counts as smooth where it turns less
+
+GOOD = 0.3  # quality: better strips along the gap need not be compared with anything
+CLEARLY_BETTER = 1.3
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,8 @@ def build_tile_mesh(
     extent = float(np.ptp(outline, axis=0).max())
     under = fill_region(region, extent, options.growth)
     kinks = np.isin(ring.coarse, ring.kinks)
-    base = build_base(outline[ring.coarse], kinks, prototile.stabiliser, center, options)
+    row = Row(outline[ring.coarse], kinks, in_first_half(ring.along[ring.coarse]))
+    base = build_base(row, prototile.stabiliser, center, options)
     scale_points, tets = extrude(
         base.points, base.triangles, base.orbits, center, layer_heights(scale_height, options)
     )
@@ -84,37 +89,59 @@ def layer_heights(scale_height: float, options: MeshOptions) -> FloatArray:
 
 
 def _build_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:
+    nodes = subdivide_loop(prototile.polygon, prototile.sharp, options)
+    outer = nodes.points(prototile.polygon)
     inset = mitre_points(prototile.polygon, 0.5 * gap)
-    if inset is None:
-        return _free_ring(prototile, gap, options)
-    turns = np.abs(turning_angles(prototile.polygon)) > STRAIGHT
-    return build_strips(prototile.polygon, inset, prototile.sharp, turns, options)
+    if inset is None or _strips_shear(prototile, nodes, inset, gap, options):
+        return _free_ring(prototile, outer, gap, options)
+    return build_strips(prototile.polygon, inset, nodes, options)
 
 
-def _free_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:
-    """Ring for a tile with edges that its scale's outline has lost: triangulated by gmsh.
+def _strips_shear(
+    prototile: Prototile, nodes: LoopNodes, inset: FloatArray, gap: float, options: MeshOptions
+) -> bool:
+    """Whether triangles without structure are clearly better than strips, as at sharp corners.
+
+    Judged with one element across half the gap, so that grading across it does not count.
+    """
+    single = replace(options, across=2)
+    strips = build_strips(prototile.polygon, inset, nodes, single)
+    worst = triangle_qualities(strips.points, strips.triangles).min()
+    if worst > GOOD:
+        return False
+    free = _free_ring(prototile, nodes.points(prototile.polygon), gap, single)
+    best = triangle_qualities(free.points, free.triangles).min()
+    return bool(best > CLEARLY_BETTER * worst)
+
+
+def _free_ring(prototile: Prototile, outer: FloatArray, gap: float, options: MeshOptions) -> Ring:
+    """Ring triangulated by gmsh, with nodes of its own along the scale's outline.
+
+    For a tile with edges that the outline has lost, or with sharp corners, where strips shear.
 
     With two elements across the gap, the boundary nodes are all that is needed.
+
+    Parameters
+    ----------
+    outer : (n, 2) nodes on the tile's polygon, mm.
     """
-    polygon, outline = prototile.polygon, prototile.outline
-    outer = node_loop(polygon, polygon_nodes(polygon, prototile.sharp, options))
-    edges = polygon_nodes(outline, np.abs(turning_angles(outline)) > SHARP_TURN, options)
-    inner = node_loop(outline, edges)
+    outline = prototile.outline
+    nodes = subdivide_loop(outline, np.abs(turning_angles(outline)) > SHARP_TURN, options)
+    inner = nodes.points(outline)
     region = make_region(
-        [outer, inner[::-1]], prototile.stabiliser, polygon.mean(axis=0), has_center=False
+        [outer, inner[::-1]], prototile.stabiliser, prototile.polygon.mean(axis=0), False
     )
     largest = options.along if options.across == 2 else 2.0 * gap / options.across
     filling = fill_region(region, largest, options.growth)
     n_outer, n_inner = len(outer), len(inner)
-    starts = np.cumsum([0] + [len(edge.fractions) - 1 for edge in edges[:-1]])
-    coarse = [(start + edge.coarse) % n_inner for start, edge in zip(starts, edges, strict=True)]
     return Ring(
         points=filling.points,
         triangles=filling.triangles,
         tile_nodes=np.arange(n_outer),
         outline_nodes=np.arange(n_outer, n_outer + n_inner)[::-1],
-        coarse=np.unique(np.concatenate(coarse)),
-        kinks=starts,
+        coarse=nodes.coarse,
+        kinks=nodes.nodes_of(turns(outline)),
+        along=nodes.along,
     )
 
 

@@ -1,9 +1,10 @@
 """From polygons and two lattice vectors to a checked tiling of the plane.
 
 Corners that coincide modulo the lattice are made to coincide exactly, and corners of one tile on an
-edge of another (T-junctions) are inserted there, so that every edge has one partner edge. Edges
-that pair up and areas that add up to the cell's are together what "covers the plane" means: the
-map from the tiles to the torus is then a covering of degree one.
+edge of another (T-junctions) are inserted there, so that every edge has one partner edge; points on
+a straight line between two tiles are dropped. Edges that pair up and areas that add up to the
+cell's are together what "covers the plane" means: the map from the tiles to the torus is then a
+covering of degree one.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ IntArray = NDArray[np.int64]
 
 RELATIVE_TOLERANCE = 1e-4  # of the root of the cell's area: corners closer than this are one
 AREA_TOLERANCE = 1e-3  # relative: edges that pair up leave only whole multiples of the cell's area
-SHARP_TURN = np.deg2rad(20.0)  # where two tiles meet: a smaller turn is a curve, not a corner
+IDLE_TURN = 2e-5  # radians: where two tiles meet, a corner that turns less is none
+# Where two tiles meet, a smaller turn is a curve, not a corner; no turn that a regular polygon has.
+SHARP_TURN = np.deg2rad(20.1)
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ def build_cell(tiles: list[ArrayLike], t1: ArrayLike, t2: ArrayLike) -> TiledCel
         )
     polygons = _merge_corners(polygons, lattice, tolerance)
     polygons = [_insert_junctions(p, polygons, lattice, 2.0 * tolerance) for p in polygons]
+    polygons = _without_idle_corners(polygons, corner_classes(polygons, lattice, tolerance))
     classes = corner_classes(polygons, lattice, tolerance)
     _check_edge_partners(polygons, classes, lattice, tolerance)
     return TiledCell(tuple(polygons), tuple(_sharp_corners(polygons, classes)), lattice, tolerance)
@@ -183,6 +187,16 @@ def _insert_junctions(
         distinct = np.diff(along[on_edge][order], prepend=-np.inf) > tolerance
         pieces.append(np.vstack([start[None], found[distinct]]))
     return np.vstack(pieces)
+
+
+def _without_idle_corners(polygons: list[FloatArray], classes: list[IntArray]) -> list[FloatArray]:
+    """Drop corners that turn nowhere and where two tiles meet: they say nothing of the shape."""
+    every = np.concatenate(classes)
+    turns = np.abs(np.concatenate([turning_angles(polygon) for polygon in polygons]))
+    largest = np.zeros(every.max() + 1)
+    np.maximum.at(largest, every, turns)
+    idle = (largest < IDLE_TURN) & (np.bincount(every) == 2)
+    return [polygon[~idle[labels]] for polygon, labels in zip(polygons, classes, strict=True)]
 
 
 def _images_near(points: FloatArray, polygon: FloatArray, lattice: FloatArray) -> FloatArray:

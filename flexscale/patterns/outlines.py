@@ -1,4 +1,10 @@
-"""Scale outlines: tile polygons clipped by half the gap, at constant width, with mitred corners."""
+"""Scale outlines: tile polygons clipped by half the gap, at constant width, with mitred corners.
+
+What is clipped is a strip of this width along every edge, and at corners where the tile is concave
+the kite between the ends of two strips. (A buffer as geometry libraries make it simplifies the
+polygon first, from its first corner on: not far, but congruent tiles and both sides of a mirror
+would get outlines that differ.)
+"""
 
 from __future__ import annotations
 
@@ -6,10 +12,12 @@ import numpy as np
 import shapely
 
 from flexscale.errors import PatternError
-from flexscale.patterns.cell import polygon_area, turning_angles
-from flexscale.patterns.symmetry import FloatArray
+from flexscale.patterns.cell import IntArray, polygon_area, turning_angles
+from flexscale.patterns.symmetry import BoolArray, FloatArray
 
-MITRE_LIMIT = 20.0  # longest mitre over half the gap; sharper tips (below 6°) are cut off
+MITRE_LIMIT = 20.0  # longest mitre over half the gap; sharper notches (below 6°) are cut off
+ROUNDING = 1e-9  # of the inset: corners closer than this are one
+SHORTEST = 1e-3  # of the inset: edges that it leaves shorter are lost
 
 
 def scale_outline(polygon: FloatArray, gap: float, number: int) -> FloatArray:
@@ -25,15 +33,67 @@ def scale_outline(polygon: FloatArray, gap: float, number: int) -> FloatArray:
     ------
     PatternError : the scale vanishes or falls apart.
     """
-    shape = _inset(polygon, gap)
-    if shape.is_empty or shape.geom_type != "Polygon":
+    corners = inset_corners(polygon, 0.5 * gap)
+    if corners is None:
+        shape = _inset(polygon, 0.5 * gap)
         what = "vanishes" if shape.is_empty else f"falls apart into {len(shape.geoms)} pieces"
         raise PatternError(
             f"A gap of {gap:g} mm is too wide for tile {number} "
             f"({polygon_area(polygon):.4g} mm²): its scale {what}. "
             f"Use a gap below {_widest_gap(polygon, gap):.3g} mm."
         )
-    return _without_straight_corners(np.array(shapely.orient_polygons(shape).exterior.coords)[:-1])
+    return corners
+
+
+def inset_corners(polygon: FloatArray, inset: float) -> FloatArray | None:
+    """Corners (m, 2) of the inset of a polygon (n, 2), mm, or None if it is not in one piece.
+
+    Runs of edges that are no longer than `SHORTEST` times the inset are one corner; there are none
+    on straight lines.
+    """
+    corners = mitre_points(polygon, inset)
+    if corners is None:
+        corners = _corners_left(polygon, inset)
+    if corners is None:
+        return None
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    return _without_straight_corners(merge_runs(corners, lengths > SHORTEST * inset)[0])
+
+
+def inset_edges(polygon: FloatArray, inset: float) -> FloatArray | None:
+    """Images of a polygon's edges in its inset, or None if this is not in one piece.
+
+    Parameters
+    ----------
+    polygon : (n, 2) counterclockwise corners, mm.
+    inset : distance between an edge and its image, mm. Edges with an image shorter than `SHORTEST`
+        times this are lost.
+
+    Returns
+    -------
+    (n, 2, 2) start and end of each image, mm; of a lost edge, both are the corner between the
+    images around it.
+    """
+    corners = mitre_points(polygon, inset)
+    mitred = corners is not None
+    if corners is None:
+        corners = _corners_left(polygon, inset)
+        if corners is None:
+            return None
+    kept = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1) > SHORTEST * inset
+    if np.count_nonzero(kept) < 3:
+        return None
+    merged, run = merge_runs(corners, kept)
+    sources = (np.arange(len(polygon)) if mitred else _sources(polygon, inset, corners))[kept]
+    in_order = np.roll(sources, -int(sources.argmin()))
+    if (np.diff(in_order) <= 0).any():
+        return None
+    images = np.empty((len(polygon), 2, 2))
+    images[sources] = np.stack([merged[run], merged[np.roll(run, -1)]], axis=1)[kept]
+    lost = np.setdiff1d(np.arange(len(polygon)), sources)
+    before = in_order[np.searchsorted(in_order, lost) - 1]
+    images[lost] = images[before, 1][:, None]
+    return images
 
 
 def mitre_points(polygon: FloatArray, inset: float) -> FloatArray | None:
@@ -44,28 +104,69 @@ def mitre_points(polygon: FloatArray, inset: float) -> FloatArray | None:
     polygon : (n, 2) counterclockwise corners, mm.
     inset : distance between an edge and its inset image, mm.
     """
-    turns = turning_angles(polygon)
-    forward = np.roll(polygon, -1, axis=0) - polygon
-    tangents = forward / np.linalg.norm(forward, axis=1)[:, None]
-    normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
+    turns, tangents, normals = _frames(polygon)
     bisectors = normals + np.roll(normals, 1, axis=0)
     squared = np.sum(bisectors**2, axis=1)
-    if (np.abs(turns) > np.pi - 1e-6).any():
+    # The distance to a mitre's tip is the inset times 2 / |bisector|.
+    if (squared < 1e-12).any() or (squared[turns < 0.0] < (2.0 / MITRE_LIMIT) ** 2).any():
         return None
     points = polygon + inset * 2.0 * bisectors / squared[:, None]
     shape = shapely.Polygon(points)
     lengths = np.sum((np.roll(points, -1, axis=0) - points) * tangents, axis=1)
-    if (lengths <= 1e-3 * inset).any() or not shape.is_valid:
+    if (lengths <= SHORTEST * inset).any() or not shape.is_valid:
         return None
-    clipped = _inset(polygon, 2.0 * inset)
+    clipped = _inset(polygon, inset)
     same = shapely.symmetric_difference(shape, clipped).area < 1e-9 * shape.area
     return points if same else None
 
 
-def _inset(polygon: FloatArray, gap: float) -> shapely.Geometry:
-    return shapely.buffer(
-        shapely.Polygon(polygon), -0.5 * gap, join_style="mitre", mitre_limit=MITRE_LIMIT
+def merge_runs(corners: FloatArray, kept: BoolArray) -> tuple[FloatArray, IntArray]:
+    """Corners joined by edges that are not kept become their mean.
+
+    Returns
+    -------
+    Means (m, 2), and which of them each corner (n,) belongs to. Edge k starts at corner k.
+    """
+    apart = np.roll(kept, 1)
+    run = (np.cumsum(apart) - 1) % np.count_nonzero(apart)
+    sums = np.stack([np.bincount(run, column) for column in corners.T], axis=1)
+    return sums / np.bincount(run)[:, None], run
+
+
+def _inset(polygon: FloatArray, inset: float) -> shapely.Geometry:
+    """What is left of a polygon (n, 2) without the strips along its edges, mm."""
+    turns, tangents, normals = _frames(polygon)
+    starts, ends = polygon, np.roll(polygon, -1, axis=0)
+    deep = inset * normals
+    strips = shapely.polygons(np.stack([starts, ends, ends + deep, starts + deep], axis=1))
+    concave = np.flatnonzero(turns < 0.0)
+    before = concave - 1
+    # How far the sides of a kite reach beyond the strips' ends.
+    reach = inset * np.minimum(np.tan(-0.5 * turns[concave]), np.sqrt(MITRE_LIMIT**2 - 1.0))
+    corners = polygon[concave]
+    kites = shapely.multipoints(
+        np.stack(
+            [
+                corners,
+                corners + deep[concave],
+                corners + deep[concave] - reach[:, None] * tangents[concave],
+                corners + deep[before] + reach[:, None] * tangents[before],
+                corners + deep[before],
+            ],
+            axis=1,
+        )
     )
+    # As hulls, kites are valid also where their two tips coincide but for rounding.
+    removed = shapely.union_all(np.concatenate([strips, shapely.convex_hull(kites)]))
+    left = shapely.get_parts(shapely.difference(shapely.Polygon(polygon), removed))
+    return shapely.union_all(left[shapely.area(left) > 1e-9 * shapely.Polygon(polygon).area])
+
+
+def _frames(polygon: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Turn (n,) at each corner, and tangent and inward normal (n, 2) of the edge after it."""
+    forward = np.roll(polygon, -1, axis=0) - polygon
+    tangents = forward / np.linalg.norm(forward, axis=1)[:, None]
+    return turning_angles(polygon), tangents, np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
 
 
 def _widest_gap(polygon: FloatArray, too_wide: float) -> float:
@@ -73,10 +174,34 @@ def _widest_gap(polygon: FloatArray, too_wide: float) -> float:
     low, high = 0.0, too_wide
     for _ in range(30):
         middle = 0.5 * (low + high)
-        shape = _inset(polygon, middle)
+        shape = _inset(polygon, 0.5 * middle)
         whole = not shape.is_empty and shape.geom_type == "Polygon"
         low, high = (middle, high) if whole else (low, middle)
     return low
+
+
+def _corners_left(polygon: FloatArray, inset: float) -> FloatArray | None:
+    """Corners (m, 2) of what is left, counterclockwise, or None if it is not in one piece."""
+    shape = _inset(polygon, inset)
+    if shape.is_empty or shape.geom_type != "Polygon":
+        return None
+    corners = np.array(shapely.orient_polygons(shape).exterior.coords)[:-1]
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    return _without_straight_corners(merge_runs(corners, lengths > ROUNDING * inset)[0])
+
+
+def _sources(polygon: FloatArray, inset: float, corners: FloatArray) -> IntArray:
+    """For each edge of the inset with corners (m, 2), the edge of the polygon it lies along."""
+    _, tangents, normals = _frames(polygon)
+    ends = np.stack([corners, np.roll(corners, -1, axis=0)])
+    depths = np.sum(normals * polygon, axis=1)
+    off = np.abs(ends @ normals.T - depths - inset).max(axis=0)
+    # Of several edges on one line, the one that lies opposite the image's middle.
+    middles = ends.mean(axis=0) @ tangents.T
+    starts, finish = np.sum(tangents * polygon, axis=1), np.roll(polygon, -1, axis=0)
+    half = 0.5 * (np.sum(tangents * finish, axis=1) - starts)
+    aside = np.maximum(np.abs(middles - starts - half) - half, 0.0)
+    return (off + np.where(off < 1e-6 * inset, 0.0, np.inf) + 1e-9 * aside).argmin(axis=1)
 
 
 def _without_straight_corners(outline: FloatArray) -> FloatArray:

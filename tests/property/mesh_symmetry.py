@@ -9,6 +9,7 @@ from flexscale.mesh import PeriodicMesh
 from flexscale.patterns import Isometry
 
 TOLERANCE = 1e-8  # mm
+SPREAD = 512  # more than lattice offsets within a triangle differ
 
 
 def point_group(center: np.ndarray, order: int, mirrors: bool) -> list[Isometry]:
@@ -23,15 +24,21 @@ def point_group(center: np.ndarray, order: int, mirrors: bool) -> list[Isometry]
 def images_on_torus(
     points: np.ndarray, targets: np.ndarray, lattice: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Target (n,) that each point is a lattice image of, and the lattice offset (n, 2)."""
+    """Target (n,) that each point is a lattice image of, and the lattice offset (n, 2).
+
+    Points (n, 2) or (n, 3): the lattice shifts the first two coordinates.
+    """
     inverse = np.linalg.inv(lattice)
     grid = np.mgrid[-1:2, -1:2].reshape(2, -1).T
-    fractions = targets @ inverse
-    home = np.floor(fractions)
-    cloud = (fractions - home)[None] + grid[:, None]
-    base = np.floor(points @ inverse)
-    distance, found = cKDTree(cloud.reshape(-1, 2) @ lattice).query(points - base @ lattice)
-    assert distance.max() < TOLERANCE, f"a node is {distance.max():.3g} mm from any image"
+    home = np.floor(targets[:, :2] @ inverse)
+    base = np.floor(points[:, :2] @ inverse)
+    cloud = np.tile(targets, (len(grid), 1))
+    cloud[:, :2] -= np.tile(home @ lattice, (len(grid), 1))
+    cloud[:, :2] += np.repeat(grid @ lattice, len(targets), axis=0)
+    sought = points.copy()
+    sought[:, :2] -= base @ lattice
+    distance, found = cKDTree(cloud).query(sought, distance_upper_bound=TOLERANCE)
+    assert np.isfinite(distance).all(), "a node has no image"
     target = found % len(targets)
     return target, (base + grid[found // len(targets)] - home[target]).astype(int)
 
@@ -45,27 +52,33 @@ def assert_symmetric(mesh: PeriodicMesh, isometry: Isometry) -> None:
     offsets = offset[mesh.triangles] + mesh.triangle_offsets @ turn
     covered = mesh.triangle_scale >= 0
     images = canonical(vertex[mesh.triangles], offsets, covered)
-    assert images == canonical(mesh.triangles, mesh.triangle_offsets, covered)
+    assert np.array_equal(images, canonical(mesh.triangles, mesh.triangle_offsets, covered))
 
-    flat, heights = mesh.scale_positions[:, :2], mesh.scale_positions[:, 2]
-    lifted = np.zeros(mesh.n_scale_vertices, dtype=int)
-    for z in np.unique(heights):
-        level = np.flatnonzero(heights == z)
-        lifted[level] = level[images_on_torus(isometry.apply(flat[level]), flat[level],
-                                              mesh.lattice)[0]]  # fmt: skip
+    moved = mesh.scale_positions.copy()
+    moved[:, :2] = isometry.apply(moved[:, :2])
+    image = images_on_torus(moved, mesh.scale_positions, mesh.lattice)[0]
     for cells in (mesh.base_triangles, mesh.tets, mesh.surface_triangles):
-        assert {tuple(sorted(cell)) for cell in lifted[cells].tolist()} == {
-            tuple(sorted(cell)) for cell in cells.tolist()
-        }
+        assert np.array_equal(sorted_rows(np.sort(image[cells])), sorted_rows(np.sort(cells)))
 
 
-def canonical(triangles: np.ndarray, offsets: np.ndarray, covered: np.ndarray) -> set:
-    """Triangles up to lattice shifts and the order of their corners."""
-    found = set()
-    for corners, places, under in zip(triangles, offsets, covered, strict=True):
-        entries = [(int(v), *map(int, place)) for v, place in zip(corners, places, strict=True)]
-        shifted = [
-            tuple(sorted((v, m - m0, n - n0) for v, m, n in entries)) for _, m0, n0 in entries
-        ]
-        found.add((min(shifted), bool(under)))
-    return found
+def canonical(triangles: np.ndarray, offsets: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Triangles up to lattice shifts and the order of their corners, sorted (n, 4)."""
+    best = np.zeros((0, 3))
+    for reference in range(3):
+        m, n = (offsets - offsets[:, reference, None] + SPREAD).transpose(2, 0, 1)
+        keys = np.sort((triangles * 2 * SPREAD + m) * 2 * SPREAD + n)
+        best = np.where(is_less(keys, best)[:, None], keys, best) if reference else keys
+    return sorted_rows(np.column_stack([best, covered]))
+
+
+def is_less(rows: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Whether each row comes before the other one in the order of words."""
+    differs = rows != others
+    first = differs.argmax(axis=1)
+    here = np.arange(len(rows))
+    return differs.any(axis=1) & (rows[here, first] < others[here, first])
+
+
+def sorted_rows(rows: np.ndarray) -> np.ndarray:
+    """The rows in the order of words."""
+    return rows[np.lexsort(rows.T[::-1])]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from flexscale.errors import MeshError, UnitRangeError
 from flexscale.mesh import MeshOptions, PeriodicMesh, build_bare_mesh, build_mesh
-from flexscale.mesh.subdivision import subdivide_edge
+from flexscale.mesh.subdivision import subdivide_chain, subdivide_loop
 from flexscale.patterns import Pattern
 from flexscale.patterns.cell import polygon_area
 from flexscale.tilings import Tiling
@@ -213,19 +214,44 @@ def test_layers_grow_upward() -> None:
     assert np.allclose(heights, np.array([0.0, 1.0, 3.0, 7.0]) * 4.0 / 7.0)
 
 
-@pytest.mark.parametrize("ends", [(True, True), (True, False), (False, False)])
-def test_edge_nodes_reverse_with_the_edge(ends: tuple[bool, bool]) -> None:
+@pytest.mark.parametrize("sharp", [True, False])
+@pytest.mark.parametrize("lengths", [[7.0], [2.5, 0.1, 4.4], [1.5, 0.3, 3.4, 0.3, 1.5]])
+def test_chain_nodes_reverse_with_the_chain(sharp: bool, lengths: list[float]) -> None:
     options = MeshOptions()
-    there, back = (subdivide_edge(7.0, *pair, options) for pair in (ends, ends[::-1]))
-    n = len(there.fractions) - 1
-    assert np.allclose(there.fractions, 1.0 - back.fractions[::-1], atol=1e-15)
-    assert there.middle == n - back.middle
+    there, back = (subdivide_chain(np.array(n), sharp, options) for n in (lengths, lengths[::-1]))
+    n = len(there.along)
+    assert np.allclose(there.along[1:], 1.0 - back.along[:0:-1], atol=1e-15)
     assert there.coarse.tolist() == (n - back.coarse[::-1]).tolist()
-    steps = 7.0 * np.diff(there.fractions)
+    corners = np.concatenate([[0.0], np.cumsum(lengths)[:-1]]) / 7.0
+    assert np.allclose(there.along[there.fraction == 0.0], corners)
+    steps = 7.0 * np.diff(there.along, append=1.0)
     assert steps.max() <= options.along
-    if ends[0]:
+    if sharp:
         assert steps[0] <= options.corner
-        assert (steps[1:] / steps[:-1]).max() < options.growth * (1 + 1e-12)
+        for near, far in pairwise(steps):
+            assert far < near * options.growth * (1 + 1e-12) or far < options.along
+    if lengths == lengths[::-1]:
+        assert np.abs(there.along - 0.5).min() < 1e-15  # a mirror may cross there
+
+
+def test_nodes_of_a_curve_are_graded_as_on_a_straight_edge() -> None:
+    """Corners of a fine curve are its only nodes, and those of a coarse one the fewest."""
+    options = MeshOptions()
+    straight = len(subdivide_chain(np.array([12.0]), True, options).along)
+    for n_edges in (2, 5, 10):
+        nodes = subdivide_chain(np.full(n_edges, 12.0 / n_edges), True, options)
+        assert straight <= len(nodes.along) <= straight + n_edges + 1
+    fine = subdivide_chain(np.full(100, 0.12), True, options)
+    assert len(fine.along) == 100
+    assert len(fine.coarse) < 20
+
+
+def test_loop_without_sharp_corners_has_nodes_in_the_middle_of_every_edge() -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    circle = 5.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    nodes = subdivide_loop(circle, np.zeros(24, dtype=bool), MeshOptions())
+    assert np.allclose(nodes.fraction.reshape(24, 2), [0.0, 0.5])
+    assert np.array_equal(nodes.coarse, np.arange(48))
 
 
 def test_validate_finds_a_turned_triangle() -> None:

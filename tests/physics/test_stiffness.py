@@ -73,6 +73,25 @@ def test_squares_have_the_square_symmetry_at_rest():
     assert tangent.stiffest % 90.0 == pytest.approx(45.0, abs=0.1)
 
 
+QUICK = fs.MeshOptions(along=2.0, corner=0.6, scale_size=5.0, scale_corner=2.0, scale_layers=1)
+
+
+@pytest.mark.parametrize("name", ["pinwheel3", "threefold"])
+def test_three_fold_patterns_are_isotropic_at_rest(name):
+    """Without any mirror; the mesh shares the symmetry, so to rounding on any mesh."""
+    a = fs.tangent_stiffness(fs.named_pattern(name), mesh=QUICK).stiffness(np.arange(0.0, 180.0, 5))
+    assert np.ptp(a) < 1e-6 * a.mean()
+
+
+@pytest.mark.parametrize("name", ["pinwheel4", "pentagon"])
+def test_four_fold_patterns_repeat_after_a_quarter_turn(name):
+    tangent = fs.tangent_stiffness(fs.named_pattern(name), mesh=QUICK)
+    directions = np.arange(0.0, 90.0, 5.0)
+    first, second = tangent.stiffness(directions), tangent.stiffness(directions + 90.0)
+    assert second == pytest.approx(first, rel=1e-6)
+    assert np.ptp(first) > 0.1 * first.mean()
+
+
 def test_extremes_of_a_known_tensor():
     """a(theta) = 2 + cos 2(theta - 25 deg): softest at 115 degree, stiffest at 25 degree."""
     c, s = np.cos(np.radians(50.0)), np.sin(np.radians(50.0))

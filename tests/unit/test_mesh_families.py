@@ -38,6 +38,6 @@ def test_random_members_are_sound(name: str) -> None:
 
 
 def test_a_tile_too_thin_for_the_gap_is_refused_in_one_sentence() -> None:
-    thin = fs.Tiling("IH74", [0.9])
+    thin = fs.Tiling("IH74", [0.6])
     with pytest.raises(PatternError, match="gap"):
-        fs.Pattern(thin, gap=3.0)
+        fs.Pattern(thin, gap=6.0)

@@ -64,7 +64,7 @@ def test_dry_run_says_what_there_is_to_do_and_does_nothing(
     assert call(monkeypatch, "run", file, "--dry-run", "--results", results) == 0
     said = capsys.readouterr()
     assert said.out.count("to do") == 22
-    assert "22 of 22 jobs to do, with 384 samples" in said.err
+    assert "22 of 22 jobs to do, with 112 samples" in said.err
     assert not results.exists()
 
 

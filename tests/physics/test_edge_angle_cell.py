@@ -169,3 +169,15 @@ def test_supercell():
     copies = [SQUARE, SQUARE + np.array([10.0, 0.0])]
     double = fs.Pattern.from_polygons(copies, (20.0, 0.0), (0.0, 10.0))
     assert moments(double) == pytest.approx(moments(single), rel=1e-8)
+
+
+@pytest.mark.slow
+def test_elements_agree_where_the_membrane_carries():
+    """Squares along a side, in contact: stretched gaps, within 3 % on the default mesh."""
+    curvatures = [0.0, 0.008, 0.011, 0.013, 0.016]
+    found = [
+        fs.sweep(square(), [0.0], curvatures, ["closing"], substrate=options, workers=1)
+        for options in (fs.SubstrateOptions("c1"), EDGE_ANGLE)
+    ]
+    smooth, angles = (data.moment.values[0, 0, 2:] for data in found)
+    assert angles == pytest.approx(smooth, rel=0.03)

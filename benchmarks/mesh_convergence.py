@@ -9,8 +9,8 @@ results/reference/benchmarks/mesh_convergence.json and not done again; tables (.
 (.png) are made from it.
 
 A knob is refined twice, by the same factor r. From the values at its three levels follow the
-observed rate p = log(d1 / d2) / log r of the differences d1, d2, where both have one sign, and the
-Richardson limit; the error of the default is its distance from there, else from the finest.
+observed rate p = log(d1 / d2) / log r of the differences d1, d2, where both have one sign, and for p >
+0.8 the Richardson limit; the error of the default is its distance from there, else from the finest.
 """
 
 from __future__ import annotations
@@ -99,7 +99,9 @@ def limit(values: list[float], factor: float) -> tuple[float, float]:
         first, second = values[0] - values[1], values[1] - values[2]
         if first * second > 0.0 and abs(first) > abs(second):
             rate = float(np.log(first / second) / np.log(factor))
-            return rate, values[2] - second / (first / second - 1.0)
+            # A slower rate is no rate yet: its limit would be a guess far beyond the values.
+            end = values[2] - second / (first / second - 1.0) if rate > 0.8 else values[2]
+            return rate, end
     return float("nan"), values[-1]
 
 

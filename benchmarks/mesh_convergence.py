@@ -9,8 +9,9 @@ results/reference/benchmarks/mesh_convergence.json and not done again; tables (.
 (.png) are made from it.
 
 A knob is refined twice, by the same factor r. From the values at its three levels follow the
-observed rate p = log(d1 / d2) / log r of the differences d1, d2, where both have one sign, and for p >
-0.8 the Richardson limit; the error of the default is its distance from there, else from the finest.
+observed rate p = log(d1 / d2) / log r of the differences d1, d2, where both have one sign, and for
+p > 0.8 the Richardson limit; the error of the default is its distance from there, else from the
+finest.
 """
 
 from __future__ import annotations

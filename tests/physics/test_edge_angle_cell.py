@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,12 +13,16 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
+from flexscale.mesh.periodic_mesh import GAP_EDGE
+from flexscale.mesh.topology import build_edges
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import RIGID, D, hexagon, square
 
 OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
+NU = fs.TPU.poisson_ratio
+PLATE = D * np.array([[1.0, NU, 0.0], [NU, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - NU)]])
 EDGE_ANGLE = fs.SubstrateOptions("edge_angle")
 AVERAGED = fs.SubstrateOptions("averaged_normals")
 
@@ -32,9 +37,45 @@ def test_bare_sheet_is_an_isotropic_plate():
     """Edge angles hold every quadratic height, so the tangent is exact on any mesh."""
     model = CellModel.of_pattern(square(), substrate=EDGE_ANGLE)
     problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), model)
-    nu = fs.TPU.poisson_ratio
-    expected = D * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
-    assert solve_tangent(problem).matrix == pytest.approx(expected, abs=1e-9 * D)
+    assert solve_tangent(problem).matrix == pytest.approx(PLATE, abs=1e-9 * D)
+
+
+def test_a_vertex_of_three_triangles():
+    """Each of its triangles meets one vertex across two edges; the plate stays exact."""
+    mesh = build_bare_mesh(OBLIQUE, 1.5)
+    corners, offsets = mesh.triangles[0], mesh.triangle_offsets[0]
+    triangles, shifts = np.repeat(corners[None], 3, axis=0), np.repeat(offsets[None], 3, axis=0)
+    for k in range(3):
+        triangles[k, k], shifts[k, k] = mesh.n_vertices, 0
+    triangles = np.concatenate([triangles, mesh.triangles[1:]])
+    shifts = np.concatenate([shifts, mesh.triangle_offsets[1:]])
+    topology = build_edges(triangles, shifts)
+    split = replace(
+        mesh,
+        positions=np.vstack([mesh.positions, mesh.corner_positions()[0].mean(axis=0)]),
+        triangles=triangles,
+        triangle_offsets=shifts,
+        triangle_scale=np.full(len(triangles), -1),
+        vertex_scale=np.append(mesh.vertex_scale, -1),
+        vertex_kind=np.append(mesh.vertex_kind, mesh.vertex_kind[0]),
+        outline_tangent=np.vstack([mesh.outline_tangent, [0.0, 0.0]]),
+        edges=topology.edges,
+        edge_shift=topology.edge_shift,
+        triangle_edges=topology.triangle_edges,
+        triangle_edge_offsets=topology.triangle_edge_offsets,
+        edge_scale=np.full(len(topology.edges), GAP_EDGE),
+    )
+    split.validate()
+    problem = CellProblem(split, CellModel.of_pattern(square(), substrate=EDGE_ANGLE))
+    assert solve_tangent(problem).matrix == pytest.approx(PLATE, abs=1e-9 * D)
+    state = 0.01 * np.random.default_rng(1).normal(size=len(problem.embedding.rest))
+    bent, z = problem.bent(Bend(0.05, 0.3)), problem.embedding.rest + state
+    direction = np.zeros_like(z)
+    direction[problem.active] = state[problem.active]
+    curve = directional_difference(lambda h: bent.evaluate(z + h * direction).gradient, 1e-3)
+    upper = bent.hessian_values(bent.evaluate(z))
+    product = multiply_upper(problem.pull_back, upper, direction[problem.active])
+    assert relative_error(product, curve) < 1e-8
 
 
 def test_averaged_normals_are_no_plate():

@@ -98,16 +98,16 @@ def _next_row(row: Row, width: float) -> tuple[Row, IntArray] | None:
     edge, fraction = _places(row)
     start, end = images[edge].transpose(1, 0, 2)
     nodes = start + fraction[:, None] * (end - start)
-    apart = np.linalg.norm(np.roll(nodes, -1, axis=0) - nodes, axis=1) > SHORT * width
-    if np.count_nonzero(apart) < 3:
+    nodes, opposite = merge_runs(nodes, SHORT * width)
+    if len(nodes) < 3:
         return None
-    nodes, opposite = merge_runs(nodes, apart)
     kinks = np.zeros(len(nodes), dtype=bool)
     np.logical_or.at(kinks, opposite, row.kinks)
     if not shapely.Polygon(nodes).is_valid or np.count_nonzero(kinks) < 3:
         return None
     first_half = np.empty(len(nodes), dtype=bool)
-    first_half[opposite[apart]] = row.first_half[apart]
+    last = opposite != np.roll(opposite, -1)
+    first_half[opposite[last]] = row.first_half[last]
     return Row(nodes, kinks, first_half), opposite
 
 

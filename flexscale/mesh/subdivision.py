@@ -147,7 +147,12 @@ def _coarse_nodes(along: FloatArray, total: float, sharp: bool, options: MeshOpt
     lengths = graded_lengths(0.5 * total, first, options.scale_growth, options.scale_size)
     targets = np.concatenate([[0.0], np.cumsum(lengths)])
     nodes = total * np.concatenate([along, [1.0]])
-    forth, back = (
-        np.abs(places[:, None] - targets).argmin(axis=0) for places in (nodes, total - nodes[::-1])
-    )
+    forth, back = (_nearest(places, targets) for places in (nodes, total - nodes[::-1]))
     return np.unique(np.concatenate([forth, len(along) - back])).astype(np.int64)
+
+
+def _nearest(nodes: FloatArray, targets: FloatArray) -> IntArray:
+    """Number of the node nearest to each target, the first of two that are equally near."""
+    apart = np.abs(nodes[:, None] - targets)
+    near = apart <= apart.min(axis=0) + ROUNDING * nodes[-1]
+    return near.argmax(axis=0)

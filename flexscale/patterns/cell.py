@@ -1,8 +1,8 @@
 """From polygons and two lattice vectors to a checked tiling of the plane.
 
 Corners that coincide modulo the lattice are made to coincide exactly, and corners of one tile on an
-edge of another (T-junctions) are inserted there, so that every edge has one partner edge; points on
-a straight line between two tiles are dropped. Edges that pair up and areas that add up to the
+edge of another (T-junctions) are inserted there, so that every edge has one partner edge; corners
+on a straight line between two tiles are dropped. Edges that pair up and areas that add up to the
 cell's are together what "covers the plane" means: the map from the tiles to the torus is then a
 covering of degree one.
 """

@@ -17,7 +17,7 @@ from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 MITRE_LIMIT = 20.0  # longest mitre over half the gap; sharper notches (below 6°) are cut off
 ROUNDING = 1e-9  # of the inset: corners closer than this are one
-SHORTEST = 1e-3  # of the inset: edges that it leaves shorter are lost
+SHORTEST = 0.05  # of the inset: edges that it leaves shorter are lost
 
 
 def scale_outline(polygon: FloatArray, gap: float, number: int) -> FloatArray:
@@ -56,8 +56,7 @@ def inset_corners(polygon: FloatArray, inset: float) -> FloatArray | None:
         corners = _corners_left(polygon, inset)
     if corners is None:
         return None
-    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    return _without_straight_corners(merge_runs(corners, lengths > SHORTEST * inset)[0])
+    return _without_straight_corners(merge_runs(corners, SHORTEST * inset)[0])
 
 
 def inset_edges(polygon: FloatArray, inset: float) -> FloatArray | None:
@@ -80,10 +79,10 @@ def inset_edges(polygon: FloatArray, inset: float) -> FloatArray | None:
         corners = _corners_left(polygon, inset)
         if corners is None:
             return None
-    kept = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1) > SHORTEST * inset
-    if np.count_nonzero(kept) < 3:
+    merged, run = merge_runs(corners, SHORTEST * inset)
+    if len(merged) < 3:
         return None
-    merged, run = merge_runs(corners, kept)
+    kept = run != np.roll(run, -1)
     sources = (np.arange(len(polygon)) if mitred else _sources(polygon, inset, corners))[kept]
     in_order = np.roll(sources, -int(sources.argmin()))
     if (np.diff(in_order) <= 0).any():
@@ -120,17 +119,31 @@ def mitre_points(polygon: FloatArray, inset: float) -> FloatArray | None:
     return points if same else None
 
 
-def merge_runs(corners: FloatArray, kept: BoolArray) -> tuple[FloatArray, IntArray]:
-    """Corners joined by edges that are not kept become their mean.
+def merge_runs(corners: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+    """Corners (n, 2) joined by edges no longer than `reach`, mm, become their mean.
+
+    Runs of such edges longer than twice the reach are no cluster but a fine curve, and stay.
 
     Returns
     -------
-    Means (m, 2), and which of them each corner (n,) belongs to. Edge k starts at corner k.
+    Means (m, 2), and which of them each corner (n,) belongs to.
     """
-    apart = np.roll(kept, 1)
-    run = (np.cumsum(apart) - 1) % np.count_nonzero(apart)
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    short = lengths <= reach
+    if short.any() and not short.all():
+        run = _runs(short)
+        short &= np.bincount(run, lengths * short)[run] <= 2.0 * reach
+    if not short.any() or short.all():
+        return corners, np.arange(len(corners))
+    run = _runs(short)
     sums = np.stack([np.bincount(run, column) for column in corners.T], axis=1)
     return sums / np.bincount(run)[:, None], run
+
+
+def _runs(short: BoolArray) -> IntArray:
+    """Number (n,) of the run of each corner; edges k, from corner k on, join runs if short."""
+    starts = np.roll(~short, 1)
+    return (np.cumsum(starts) - 1) % np.count_nonzero(starts)
 
 
 def _inset(polygon: FloatArray, inset: float) -> shapely.Geometry:
@@ -186,8 +199,7 @@ def _corners_left(polygon: FloatArray, inset: float) -> FloatArray | None:
     if shape.is_empty or shape.geom_type != "Polygon":
         return None
     corners = np.array(shapely.orient_polygons(shape).exterior.coords)[:-1]
-    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    return _without_straight_corners(merge_runs(corners, lengths > ROUNDING * inset)[0])
+    return _without_straight_corners(merge_runs(corners, ROUNDING * inset)[0])
 
 
 def _sources(polygon: FloatArray, inset: float, corners: FloatArray) -> IntArray:

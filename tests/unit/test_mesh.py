@@ -246,6 +246,15 @@ def test_nodes_of_a_curve_are_graded_as_on_a_straight_edge() -> None:
     assert len(fine.coarse) < 20
 
 
+def test_rounding_of_a_length_moves_no_node_of_the_base() -> None:
+    """Wishes midway between two nodes: congruent chains must still agree on the nearest."""
+    options = MeshOptions(along=0.5, corner=0.5, growth=1.0, scale_size=1.0, scale_growth=1.0)
+    for half in np.linspace(3.0, 9.0, 37):
+        lengths = 2.0 * half * (1.0 + np.arange(-8, 9) * 2.3e-16)
+        found = {tuple(subdivide_chain(np.array([x]), True, options).coarse) for x in lengths}
+        assert len(found) == 1
+
+
 def test_loop_without_sharp_corners_has_nodes_in_the_middle_of_every_edge() -> None:
     angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
     circle = 5.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)

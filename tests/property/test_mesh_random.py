@@ -1,4 +1,4 @@
-"""Random patterns give valid meshes: any quadrilateral covers the plane with its turned copy."""
+"""Random patterns give sound meshes with the symmetry of what is drawn."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from flexscale.errors import TilingError
 from flexscale.mesh import MeshOptions, build_mesh
 from flexscale.patterns import Pattern
 from flexscale.patterns.cell import polygon_area
 from flexscale.tilings import Tiling
+from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from tests.property.mesh_symmetry import assert_symmetric, point_group
+from tests.property.test_tilings_random import tilings
+from tests.unit.mesh_checks import assert_sound, pattern_if_any
 
 FEW = settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+#: The same examples every time: the slow test below looks for new ones.
+SOME = settings(FEW, max_examples=30, derandomize=True)
 COORDINATE = st.floats(-2.5, 2.5)
 OPTIONS = st.builds(
     MeshOptions,
@@ -67,6 +73,54 @@ def test_full_point_group_at_any_size(
                               tile_area=tile_area), options)  # fmt: skip
     for isometry in point_group(np.zeros(2), 6 if family == "IH20" else 4, True):
         assert_symmetric(mesh, isometry)
+
+
+def check_tiling(tiling: Tiling, gap: float, options: MeshOptions) -> None:
+    """Sound, and symmetric under all that is exact to rounding; or too thin for the gap.
+
+    Shapes are rounded: one that misses a symmetry by less than tolerances tell apart has a mesh
+    that misses it as well.
+    """
+    edges = {letter: curve.round(6) for letter, curve in tiling.edges.items()}
+    try:
+        rounded = Tiling(tiling.family, np.round(tiling.parameters, 6), edges)
+    except TilingError:
+        assume(False)
+    pattern = pattern_if_any(rounded, gap=gap)
+    if pattern is None:
+        return
+    mesh = build_mesh(pattern, options)
+    assert_sound(mesh, pattern)
+    for operation in drawn_symmetry(pattern.tiles, pattern.lattice, tolerance=1e-9).operations:
+        assert_symmetric(mesh, operation)
+
+
+LINEAR = MeshOptions(scale_order=1)
+
+
+@SOME
+@given(tilings(curved=False), st.floats(0.1, 0.8))
+def test_straight_tilings(tiling: Tiling, gap: float) -> None:
+    check_tiling(tiling, gap, LINEAR)
+
+
+@SOME
+@given(tilings(curved=True), st.floats(0.1, 0.8))
+def test_curved_tilings(tiling: Tiling, gap: float) -> None:
+    check_tiling(tiling, gap, LINEAR)
+
+
+@settings(SOME, max_examples=10)
+@given(st.booleans().flatmap(tilings), st.floats(0.05, 0.8), OPTIONS)
+def test_tilings_with_any_element_sizes(tiling: Tiling, gap: float, options: MeshOptions) -> None:
+    check_tiling(tiling, gap, options)
+
+
+@pytest.mark.slow
+@settings(FEW, max_examples=1000)
+@given(st.booleans().flatmap(tilings), st.floats(0.05, 0.8), st.just(LINEAR) | OPTIONS)
+def test_many_tilings(tiling: Tiling, gap: float, options: MeshOptions) -> None:
+    check_tiling(tiling, gap, options)
 
 
 def test_another_cell_of_the_lattice_gives_the_same_mesh() -> None:

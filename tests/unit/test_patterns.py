@@ -11,6 +11,7 @@ import shapely
 
 from flexscale.patterns import TPU, NeoHookean, Pattern
 from flexscale.patterns.cell import polygon_area
+from flexscale.patterns.outlines import inset_edges
 from flexscale.tilings import Tiling
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from tests.unit.pattern_shapes import BRICK, SHAPES, SQUARE, custom
@@ -131,3 +132,58 @@ def test_lame_constants() -> None:
     steel = NeoHookean(young_modulus=210e3, poisson_ratio=0.3)
     assert steel.shear_modulus == pytest.approx(80769.2308)
     assert steel.lame_lambda == pytest.approx(121153.8462)
+
+
+def wavy_square(n_points: int) -> Pattern:
+    """Tile with two mirrors: fine U curves on all four sides."""
+    x = np.linspace(0.0, 0.5, n_points)
+    wave = np.stack([x, 0.1 * np.sin(np.pi * x) ** 2], axis=1)
+    return Pattern(Tiling("IH73", edges={"a": wave}))
+
+
+def test_outlines_of_fine_curves_are_as_symmetric_as_the_tile() -> None:
+    pattern = wavy_square(60)
+    assert pattern.symmetry().group == "p4g"
+    prototile = pattern.prototiles[0]
+    assert len(prototile.stabiliser) == 4
+    assert len(prototile.outline) >= len(prototile.polygon) - 20
+    for isometry in prototile.stabiliser:
+        image = isometry.apply(prototile.outline)
+        apart = np.linalg.norm(image[:, None] - prototile.outline, axis=2).min(axis=1)
+        assert apart.max() < 1e-10
+
+
+@pytest.mark.parametrize("inset", [0.2, 0.5, 1.5])
+def test_images_of_edges_in_an_inset(inset: float) -> None:
+    """They lie parallel to the edges at the distance, each starting where the one before ends."""
+    polygon = wavy_square(12).tiles[0]
+    images = inset_edges(polygon, inset)
+    assert images is not None
+    assert np.allclose(images[:, 1], np.roll(images[:, 0], -1, axis=0), atol=1e-9)
+    along = np.roll(polygon, -1, axis=0) - polygon
+    tangents = along / np.linalg.norm(along, axis=1)[:, None]
+    normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
+    lengths = np.sum((images[:, 1] - images[:, 0]) * tangents, axis=1)
+    kept = lengths > 0.0
+    full = np.linalg.norm(images[:, 1] - images[:, 0], axis=1)
+    assert np.allclose(full[kept], lengths[kept], rtol=1e-4)  # corners may stand for short images
+    depths = np.sum((images - polygon[:, None]) * normals[:, None], axis=2)
+    assert np.allclose(depths[kept], inset, atol=0.01 * inset)
+    assert (inset < 0.3) == kept.all()
+    inside = shapely.Polygon(polygon).buffer(-0.99 * inset)
+    assert all(inside.contains(shapely.Point(point)) for point in images[:, 0])
+
+
+def test_no_images_of_edges_where_an_inset_falls_apart() -> None:
+    waist = [(0, 0), (4, 0), (4, 3), (6, 3), (6, 0), (10, 0), (10, 8), (6, 8), (6, 5), (4, 5),
+             (4, 8), (0, 8)]  # fmt: skip
+    assert inset_edges(np.array(waist, dtype=float), 0.9) is not None
+    assert inset_edges(np.array(waist, dtype=float), 1.1) is None
+    assert inset_edges(np.array(SQUARE), 5.1) is None
+
+
+def test_corners_that_say_nothing_are_dropped() -> None:
+    square = [(0, 0), (3, 0), (10, 0), (10, 10), (3, 10), (0, 10)]
+    assert len(custom([square], (10, 0), (0, 10)).tiles[0]) == 4
+    brick = custom([BRICK], (10, 0), (4, 5)).tiles[0]
+    assert len(brick) == 6  # three tiles meet at the corners in the middle of its edges

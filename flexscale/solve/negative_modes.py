@@ -9,6 +9,7 @@ from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.constraint import ConstrainedSystem
 
 RESTARTS = 10  # of the Lanczos iteration; more would cost more than another search direction
+_ROUNDING = 1e-12  # of the inverse's size: it vanishes, but for rounding, along the constraint
 
 
 def negative_modes(
@@ -34,5 +35,6 @@ def negative_modes(
         )
     except scipy.sparse.linalg.ArpackNoConvergence as error:
         values, modes = error.eigenvalues, error.eigenvectors
-    downward = values < 0.0
+    size = np.linalg.norm(inverse.matvec(start)) / np.linalg.norm(start)
+    downward = values < -_ROUNDING * size
     return 1.0 / values[downward], modes[:, downward]

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.embedding.curvature_map import GRADIENT, POSITION
+from flexscale.embedding.curvature_map import GRADIENT
 from flexscale.embedding.rows import FREE_ROW, Rows
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.periodic_mesh import FREE, GAP_EDGE, OUTLINE, OUTLINE_CORNER
@@ -107,9 +107,8 @@ class C1Cell(CellEmbedding):
             for k in (1, 2):
                 rows.add((*key, k), [rows.image(GRADIENT, node + 3 * k, shift, anchor)], FREE_ROW)
             return first
-        carriers, _, slopes = self._bond_row(self._vertex_bond[vertex])
-        terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
-        zero = np.zeros(len(carriers))
+        terms, slopes = self.nodes.gradient(rows, int(self.vertex_bond[vertex]), shift)
+        zero = np.zeros(len(terms))
         for k in (0, 1):
             if mesh.vertex_kind[vertex] == OUTLINE_CORNER:
                 weights, slide = np.stack([slopes[:, k], zero, zero], axis=1), -1
@@ -133,8 +132,7 @@ class C1Cell(CellEmbedding):
         if self.mesh.edge_scale[edge] == GAP_EDGE:
             image = rows.image(GRADIENT, int(self.edge_node[edge]), shift, self.edge_middle[edge])
             return rows.add(key, [image], FREE_ROW)
-        carriers, _, slopes = self._bond_row(self._edge_bond[edge])
-        terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
+        terms, slopes = self.nodes.gradient(rows, int(self._edge_bond[edge]), shift)
         along, across = slopes @ self.edge_tangent[edge], slopes @ self.edge_normal[edge]
         weights = np.stack([np.zeros_like(along), across, along], axis=1)
         return rows.add(key, terms, weights, int(self.edge_slide[edge]))

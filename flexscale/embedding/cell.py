@@ -2,7 +2,8 @@
 
 Unknowns z, in this order:
 
-- three curvilinear coordinates w of every scale vertex;
+- three of every node of the scales: the curvilinear coordinates w of their vertices, or world
+coordinates of points and vectors that modes will drive (see `scale_nodes`);
 - those of the sheet, w of every free substrate vertex among them: see the kinds of cells, `c1_cell`
 and `edge_angle_cell`;
 - S = (Sxx, Syy, Sxy), the homogeneous in-plane strain: lattice vectors become (I + S) L [Eq. 6].
@@ -18,10 +19,10 @@ from abc import ABC, abstractmethod
 import numpy as np
 import scipy.sparse as sp
 
-from flexscale.embedding.contact_surface import find_surface, spread_contact, surface_rest
+from flexscale.embedding.contact_surface import find_surface, surface_rest
 from flexscale.embedding.curvature_map import POSITION
 from flexscale.embedding.rows import FREE_ROW, Rows
-from flexscale.embedding.world_map import WorldMap
+from flexscale.embedding.scale_nodes import PointNodes, ScaleNodes, TetNodes
 from flexscale.mechanics.contact import ContactSurface
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.bonds import build_bonds
@@ -35,49 +36,57 @@ class CellEmbedding(ABC):
     ----------
     mesh : the torus mesh.
     bond_radius : mm, around an outline point, over which the sheet follows a scale's base.
-    contact_edge : mm, see `ContactOptions.edge`.
+    contact_edge : mm, see `ContactOptions.edge`; None without contact.
+    tets : whether the scales' vertices are unknowns, or points and vectors of them.
 
     Attributes
     ----------
     world_map : z -> y.
-    n_unknowns : length of z, S included.
+    n_unknowns : length of z, S included; n_nodes : three-number nodes of scales, they come first.
+    nodes : what the scales hand to sheet and contact.
     vertex_node : (n_vertices,) first of the three w of a free substrate vertex, -1 for others.
     rest : (n_unknowns,) z of the flat, stress-free state.
     active : indices of all unknowns but two that pin the in-plane translation, and places in z that
         are held.
     shift_unknown : index of one w3, used to hold the shift of w3 while factorizing.
     mean_offset : (n_unknowns,) c / A: c z / A is the mean normal displacement of the substrate [Eq.
-        8], mm.
+        8], mm; of the free sheet alone where scales are no tets.
     shift_mode : (n_unknowns,) the uniform unit shift of w3.
-    tet_vectors : (n_tets, 4) rows of y with the scales' vertices.
-    contact_surface : rows and triangles of the scales' surfaces; None without scales.
+    tet_vectors : (n_tets, 4) rows of y with the scales' vertices; none where scales are no tets.
+    contact_surface : rows and triangles of the scales' surfaces; None without.
     """
 
     vertex_node: IntArray
 
     def __init__(
-        self, mesh: PeriodicMesh, bond_radius: float = 0.0, contact_edge: float = 0.0
+        self,
+        mesh: PeriodicMesh,
+        bond_radius: float = 0.0,
+        contact_edge: float | None = 0.0,
+        tets: bool = True,
     ) -> None:
         self.mesh = mesh
         self.bond_radius = bond_radius
         ends = mesh.positions[mesh.edges[:, 1]] + mesh.edge_shift @ mesh.lattice
         self.edge_span = ends - mesh.positions[mesh.edges[:, 0]]
         self.edge_middle = mesh.positions[mesh.edges[:, 0]] + 0.5 * self.edge_span
-        self.n_unknowns = self._number_sheet(3 * mesh.n_scale_vertices) + 3
+        self.nodes = self._bond(contact_edge, tets)
+        self.n_nodes = len(self.nodes.rest)
+        self.n_unknowns = self._number_sheet(3 * self.n_nodes) + 3
         self.rest = self._build_rest()
-        self._bond()
         rows = Rows()
-        self.tet_vectors = self._add_scales(rows)
+        self.tet_vectors = self._add_scales(rows) if tets else np.zeros((0, 4), dtype=np.int64)
         self._add_sheet(rows)
-        self.contact_surface = self._add_contact(rows, contact_edge) if mesh.n_scales else None
+        has_contact = contact_edge is not None and mesh.n_scales > 0
+        self.contact_surface = self._add_contact(rows, contact_edge) if has_contact else None
         self.world_map = rows.world_map(self.n_unknowns)
         pinned = 0 if mesh.n_scales else int(self.vertex_node[0])
         held = [pinned, pinned + 1, *self._held_unknowns()]
         self.active = np.setdiff1d(np.arange(self.n_unknowns), held)
         self.shift_unknown = pinned + 2
-        self.mean_offset = self._build_mean_offset()
+        self.mean_offset = self._build_mean_offset(tets)
         self.shift_mode = np.zeros(self.n_unknowns)
-        self.shift_mode[2 : 3 * mesh.n_scale_vertices : 3] = 1.0
+        self.shift_mode[2 : 3 * self.n_nodes : 3] = 1.0
         self.shift_mode[self.vertex_node[self.vertex_node >= 0] + 2] = 1.0
 
     @abstractmethod
@@ -100,13 +109,16 @@ class CellEmbedding(ABC):
         mesh = self.mesh
         free = mesh.vertex_kind == FREE
         rest = np.zeros(self.n_unknowns)
-        rest[: 3 * mesh.n_scale_vertices] = mesh.scale_positions.ravel()
+        rest[: 3 * self.n_nodes] = self.nodes.rest.ravel()
         for c in range(2):
             rest[self.vertex_node[free] + c] = mesh.positions[free, c]
         self._set_sheet_rest(rest)
         return rest
 
-    def _bond(self) -> None:
+    #: Kinds of bonds of which the sheet wants the position too, and not the gradients alone.
+    _edges_have_position = False
+
+    def _bond(self, contact_edge: float | None, tets: bool) -> ScaleNodes:
         """Bond every carried vertex and outline edge to the scale's base.
 
         Only the outline hands loads to the scale, so only there does the bond spread.
@@ -117,79 +129,54 @@ class CellEmbedding(ABC):
         points = np.concatenate([mesh.positions[carried], self.edge_middle[outline]])
         scales = np.concatenate([mesh.vertex_scale[carried], mesh.edge_scale[outline]])
         loaded = np.concatenate([mesh.vertex_kind[carried] != COVERED, np.full(len(outline), True)])
-        self._bonds = build_bonds(mesh, points, scales, np.where(loaded, self.bond_radius, 0.0))
-        self._vertex_bond = np.full(mesh.n_vertices, -1, dtype=np.int64)
-        self._vertex_bond[carried] = np.arange(len(carried))
+        bonds = build_bonds(mesh, points, scales, np.where(loaded, self.bond_radius, 0.0))
+        self.bonds, self.bonded = bonds, points
+        self.vertex_bond = np.full(mesh.n_vertices, -1, dtype=np.int64)
+        self.vertex_bond[carried] = np.arange(len(carried))
         self._edge_bond = np.full(mesh.n_edges, -1, dtype=np.int64)
         self._edge_bond[outline] = len(carried) + np.arange(len(outline))
-
-    def _bond_row(self, bond: int) -> tuple[IntArray, FloatArray, FloatArray]:
-        part = slice(self._bonds.indptr[bond], self._bonds.indptr[bond + 1])
-        return (
-            self._bonds.scale_vertices[part],
-            self._bonds.values[part],
-            self._bonds.gradients[part],
-        )
+        if tets or not mesh.n_scales:
+            return TetNodes(mesh, bonds)
+        has_value = np.arange(len(points)) < len(carried)
+        if self._edges_have_position:
+            has_value[:] = True
+        return PointNodes(mesh, bonds, scales, loaded, has_value, contact_edge)
 
     def _add_scales(self, rows: Rows) -> IntArray:
         home = np.zeros(2)
         for vertex in range(self.mesh.n_scale_vertices):
-            image = rows.image(POSITION, 3 * vertex, home, home)
+            image = self.nodes.image(rows, vertex, home)
             rows.add(("scale", vertex), [image], FREE_ROW)
         return self.mesh.tets.copy()
 
     def _add_contact(self, rows: Rows, edge: float) -> ContactSurface:
-        surface = find_surface(self.mesh)
-        spread = spread_contact(self.mesh, edge)[surface.vertices]
+        touching = self.nodes.touching_surface(edge)
+        surface = find_surface(self.mesh, touching.positions, touching.triangles, touching.scale)
+        spread = touching.weights[surface.vertices]
         used: dict[tuple[int, ...], int] = {}
         columns = np.empty(spread.nnz, dtype=np.int64)
         for k, offset in enumerate(surface.offsets.tolist()):
             for entry in range(spread.indptr[k], spread.indptr[k + 1]):
                 key = (int(spread.indices[entry]), *offset)
                 columns[entry] = used.setdefault(key, len(used))
-        places = np.array([self._scale_row(rows, *key) for key in used])
         shape = (len(surface.vertices), len(used))
-        weights = sp.csr_array((spread.data, columns, spread.indptr), shape=shape)
-        rest = surface_rest(self.mesh, surface)
-        homes = zip(surface.vertices.tolist(), surface.offsets.tolist(), strict=True)
-        own = np.array([used.setdefault((v, *offset), len(used)) for v, offset in homes])
         return ContactSurface(
-            places,
-            weights,
-            surface.vertices,
-            places[own],
-            rest,
+            np.array([self._scale_row(rows, *key) for key in used]),
+            sp.csr_array((spread.data, columns, spread.indptr), shape=shape),
+            touching.vertices[surface.vertices],
+            surface_rest(self.mesh, touching.positions, surface),
             surface.triangles,
             surface.bodies,
             surface.n_home,
         )
 
-    def _scale_row(self, rows: Rows, vertex: int, m: int, n: int) -> int:
-        """Row with the position of a scale vertex at the lattice offset (m, n)."""
-        if m == n == 0:
-            return rows.row_of["scale", vertex]
-        shift = np.array([m, n]) @ self.mesh.lattice
-        image = rows.image(POSITION, 3 * vertex, shift, np.zeros(2))
-        return rows.add(("scale", vertex, m, n), [image], FREE_ROW)
-
-    def display_map(self) -> tuple[WorldMap, IntArray]:
-        """Positions of all scale vertices and of all substrate corners, also under the scales.
-
-        Returns
-        -------
-        world_map : rows are the scale vertices, then the distinct images (v, (m, n)) of substrate
-            vertices.
-        triangles : (n_triangles, 3) rows of the substrate triangles' corners.
-        """
-        mesh, rows = self.mesh, Rows()
-        self._add_scales(rows)
-        triangles = np.empty_like(mesh.triangles)
-        for triangle in range(mesh.n_triangles):
-            for corner in range(3):
-                vertex = int(mesh.triangles[triangle, corner])
-                offset = mesh.triangle_offsets[triangle, corner]
-                triangles[triangle, corner] = self._position_row(rows, vertex, offset)
-        return rows.world_map(self.n_unknowns), triangles
+    def _scale_row(self, rows: Rows, node: int, m: int, n: int) -> int:
+        """Row with the position of a scale's node at the lattice offset (m, n)."""
+        key = ("scale", node) if m == n == 0 else ("scale", node, m, n)
+        if key in rows.row_of:
+            return rows.row_of[key]
+        image = self.nodes.image(rows, node, np.array([m, n]) @ self.mesh.lattice)
+        return rows.add(key, [image], FREE_ROW)
 
     def _position_row(self, rows: Rows, vertex: int, offset: IntArray) -> int:
         """Row x of a vertex image."""
@@ -200,22 +187,26 @@ class CellEmbedding(ABC):
         if self.mesh.vertex_kind[vertex] == FREE:
             image = rows.image(POSITION, int(self.vertex_node[vertex]), shift, anchor)
             return rows.add(key, [image], FREE_ROW)
-        carriers, values, _ = self._bond_row(self._vertex_bond[vertex])
-        terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
+        terms, values = self.nodes.position(rows, int(self.vertex_bond[vertex]), shift)
         zero = np.zeros_like(values)
         return rows.add(key, terms, np.stack([values, zero, zero], axis=1))
 
-    def _build_mean_offset(self) -> FloatArray:
-        """Mass-weighted mean of w3 over the whole midsurface, also under the scales [Eq. 8]."""
-        mesh = self.mesh
-        areas = mesh.triangle_areas()
-        share = np.bincount(
-            mesh.triangles.ravel(), np.repeat(areas / 3.0, 3), minlength=mesh.n_vertices
-        )
+    def vertex_shares(self) -> FloatArray:
+        """(n_vertices,) share of the midsurface that belongs to each substrate vertex."""
+        areas = self.mesh.triangle_areas()
+        corners = np.repeat(areas / (3.0 * areas.sum()), 3)
+        return np.bincount(self.mesh.triangles.ravel(), corners, minlength=self.mesh.n_vertices)
+
+    def _build_mean_offset(self, tets: bool) -> FloatArray:
+        """Mass-weighted mean of w3 over the midsurface, with tets also under the scales [Eq. 8]."""
+        share = self.vertex_shares()
         weights = np.zeros(self.n_unknowns)
-        free = mesh.vertex_kind == FREE
+        free = self.mesh.vertex_kind == FREE
         weights[self.vertex_node[free] + 2] = share[free]
-        for vertex in np.flatnonzero(mesh.vertex_scale >= 0):
-            carriers, values, _ = self._bond_row(self._vertex_bond[vertex])
-            weights[3 * carriers + 2] += values * share[vertex]
-        return weights / areas.sum()
+        for vertex in np.flatnonzero(self.mesh.vertex_scale >= 0) if tets else ():
+            bond = self.vertex_bond[vertex]
+            part = slice(self.bonds.indptr[bond], self.bonds.indptr[bond + 1])
+            weights[3 * self.bonds.scale_vertices[part] + 2] += (
+                self.bonds.values[part] * share[vertex]
+            )
+        return weights

@@ -31,7 +31,7 @@ class SurfaceVertices:
 
     Attributes
     ----------
-    vertices : (n,) scale vertices.
+    vertices : (n,) vertices of the scales' surface.
     offsets : (n, 2) lattice offsets; (0, 0) first, then images.
     bodies : (n,) whole scale each belongs to; images are bodies of their own.
     triangles : (n_triangles, 3) entries of `vertices`.
@@ -45,24 +45,28 @@ class SurfaceVertices:
     n_home: int
 
 
-def find_surface(mesh: PeriodicMesh) -> SurfaceVertices:
+def find_surface(
+    mesh: PeriodicMesh, positions: FloatArray, triangles: IntArray, scales: IntArray
+) -> SurfaceVertices:
     """Home scales whole, and what lies within reach of them of the images on one side.
+
+    `triangles (n, 3)` between `positions (n_vertices, 3)` [mm], and the scale of each.
 
     Of an image at L and one at -L only the first is taken (L lexicographically positive), so that
     each unordered pair of scales of the periodic pattern is met once.
     """
     reach = REACH * np.sqrt(mesh.cell_area / mesh.n_scales)
-    home_points = mesh.scale_positions[np.unique(mesh.surface_triangles)]
+    home_points = positions[np.unique(triangles)]
     tree = cKDTree(np.unique(np.round(home_points[:, :2], 9), axis=0))
-    parts = [(mesh.surface_triangles, mesh.surface_scale, np.zeros(2, dtype=np.int64))]
+    parts = [(triangles, scales, np.zeros(2, dtype=np.int64))]
     span = range(-2, 3)
     for offset in ((m, n) for m in span for n in span if m > 0 or (m == 0 and n > 0)):
-        shifted = mesh.scale_positions[:, :2] + np.array(offset) @ mesh.lattice
+        shifted = positions[:, :2] + np.array(offset) @ mesh.lattice
         near = tree.query(shifted, distance_upper_bound=reach)[0] < reach
-        kept = near[mesh.surface_triangles].any(axis=1)
+        kept = near[triangles].any(axis=1)
         if kept.any():
             offset_array = np.array(offset, dtype=np.int64)
-            parts.append((mesh.surface_triangles[kept], mesh.surface_scale[kept], offset_array))
+            parts.append((triangles[kept], scales[kept], offset_array))
     return _number(parts)
 
 
@@ -89,19 +93,23 @@ def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices
     )
 
 
-def surface_rest(mesh: PeriodicMesh, surface: SurfaceVertices) -> FloatArray:
+def surface_rest(
+    mesh: PeriodicMesh, positions: FloatArray, surface: SurfaceVertices
+) -> FloatArray:
     """(n, 3) rest positions of the surface's vertices, images shifted, mm."""
-    rest = mesh.scale_positions[surface.vertices].copy()
+    rest = positions[surface.vertices].copy()
     rest[:, :2] += surface.offsets @ mesh.lattice
     return rest
 
 
-def spread_contact(mesh: PeriodicMesh, radius: float) -> sp.csr_array:
+def spread_contact(
+    mesh: PeriodicMesh, radius: float, asked: IntArray | None = None
+) -> sp.csr_array:
     """Weights (n_scale_vertices, n_scale_vertices) of scale vertices in the points that touch.
 
     Row v has the weights of the vertices within `radius` of v on its scale's surface in the
-    position that contact sees there; they reproduce affine motions. With radius 0, and for
-    vertices inside a scale, that is the position of v itself.
+    position that contact sees there; they reproduce affine motions. With radius 0, for vertices
+    inside a scale, and for others than those `asked` for, that is the position of v itself.
     """
     n = mesh.n_scale_vertices
     if radius <= 0.0:
@@ -111,6 +119,8 @@ def spread_contact(mesh: PeriodicMesh, radius: float) -> sp.csr_array:
     extents = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
     owner = np.full(n, -1)
     owner[mesh.surface_triangles.ravel()] = np.repeat(mesh.surface_scale, 3)
+    if asked is not None:
+        owner[np.setdiff1d(np.arange(n), asked)] = -1
     rows, columns, weights = [], [], []
     for scale in range(mesh.n_scales):
         faces = np.flatnonzero(mesh.surface_scale == scale)

@@ -12,6 +12,12 @@ A lattice image of the cell is a rigid motion of it: P = w + (I + S) L for a lat
 vectors (the substrate's parameter gradients g) turn with the cylinder by kappa n . (X + (I + S) L),
 X a fixed anchor. Every such quantity depends on three home unknowns and, for L != 0, on S = (Sxx,
 Syy, Sxy). Numbers (the substrate's edge angles) are the same in all images and under every bend.
+
+Points and vectors of a body that is given in the world (a scale described by few modes) have their
+world coordinates as home unknowns; their images are what that rigid motion makes of them. With q =
+n . (I + S) L and R the rotation by kappa q,
+
+    x -> R x + n sin(kappa q)/kappa + m (m . (I + S) L) + e3 (1 - cos(kappa q))/kappa.
 """
 
 from __future__ import annotations
@@ -23,7 +29,7 @@ from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
 
-POSITION, GRADIENT, NUMBERS = 0, 1, 2
+POSITION, GRADIENT, NUMBERS, BODY_POINT, BODY_VECTOR = range(5)
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class ImageVectors:
 
     Attributes
     ----------
-    kinds : (n,) POSITION, GRADIENT or NUMBERS.
+    kinds : (n,) POSITION, GRADIENT, NUMBERS, BODY_POINT or BODY_VECTOR.
     nodes : (n,) first of the three home unknowns in z.
     shifts : (n, 2) lattice vector of the image, mm.
     anchors : (n, 2) rest coordinates that set the frame of a gradient vector, mm.
@@ -94,6 +100,51 @@ def _frame_angle(z, anchor, shift, n_unknowns, n0, n1):
 
 
 @njit(cache=True)
+def _place_body_image(
+    z, curvature, n0, n1, is_point, node, shift, rates, x, jacobian, kappa_rate
+):
+    """Fill x (3,), jacobian (3, 6) and kappa_rate (3,) of one image of a body's vector."""
+    s = len(z) - 3
+    l0 = (1.0 + z[s]) * shift[0] + z[s + 2] * shift[1]
+    l1 = (1.0 + z[s + 1]) * shift[1] + z[s + 2] * shift[0]
+    q, across = n0 * l0 + n1 * l1, -n1 * l0 + n0 * l1
+    theta = curvature * q
+    sine, cosine = np.sin(theta), np.cos(theta)
+    h0, h1, h2 = z[node], z[node + 1], z[node + 2]
+    along, side = n0 * h0 + n1 * h1, -n1 * h0 + n0 * h1
+    turned, lifted = cosine * along - sine * h2, sine * along + cosine * h2
+    # Derivative by q, in n and e3, and by kappa at fixed q.
+    d_turned, d_lifted = -curvature * lifted, curvature * turned
+    k_turned, k_lifted = -q * lifted, q * turned
+    if is_point:
+        sinc, versine, d_sine, d_versine = _trigonometric_quotients(theta)
+        turned += q * sinc
+        lifted += curvature * q * q * versine
+        side += across
+        d_turned += cosine
+        d_lifted += sine
+        k_turned += q * q * d_sine
+        k_lifted += q * q * d_versine
+    x[0], x[1], x[2] = n0 * turned - n1 * side, n1 * turned + n0 * side, lifted
+    kappa_rate[0], kappa_rate[1], kappa_rate[2] = n0 * k_turned, n1 * k_turned, k_lifted
+    for c in range(2):
+        nc = n0 if c == 0 else n1
+        mc = -n1 if c == 0 else n0
+        jacobian[0, c] = cosine * n0 * nc - n1 * mc
+        jacobian[1, c] = cosine * n1 * nc + n0 * mc
+        jacobian[2, c] = sine * nc
+    jacobian[0, 2] = -sine * n0
+    jacobian[1, 2] = -sine * n1
+    jacobian[2, 2] = cosine
+    for r in range(3):
+        d_q = n0 * rates[0, r] + n1 * rates[1, r]
+        d_across = -n1 * rates[0, r] + n0 * rates[1, r] if is_point else 0.0
+        jacobian[0, 3 + r] = n0 * d_turned * d_q - n1 * d_across
+        jacobian[1, 3 + r] = n1 * d_turned * d_q + n0 * d_across
+        jacobian[2, 3 + r] = d_lifted * d_q
+
+
+@njit(cache=True)
 def place_images(z, curvature, direction, kinds, nodes, shifts, anchors, x, jacobian, kappa_rate):
     """Fill x (n, 3), jacobian (n, 3, 6) in (home, S), kappa_rate (n, 3) = dx/dkappa at fixed z."""
     n0, n1 = np.cos(direction), np.sin(direction)
@@ -137,6 +188,11 @@ def place_images(z, curvature, direction, kinds, nodes, shifts, anchors, x, jaco
                 x[k, c] = z[nodes[k] + c]
                 jacobian[k, c, c] = 1.0
                 kappa_rate[k, c] = 0.0
+        elif kinds[k] == BODY_POINT or kinds[k] == BODY_VECTOR:
+            _place_body_image(
+                z, curvature, n0, n1, kinds[k] == BODY_POINT, nodes[k], shifts[k], rates,
+                x[k], jacobian[k], kappa_rate[k],
+            )  # fmt: skip
         else:
             q1 = _frame_angle(z, anchors[k], shifts[k], len(z), n0, n1)
             theta = curvature * q1
@@ -164,6 +220,40 @@ def place_images(z, curvature, direction, kinds, nodes, shifts, anchors, x, jaco
                 jacobian[k, 0, 3 + s] = -turn * lifted * n0
                 jacobian[k, 1, 3 + s] = -turn * lifted * n1
                 jacobian[k, 2, 3 + s] = turn * turned
+
+
+@njit(cache=True)
+def _curve_body_image(
+    z, curvature, n0, n1, is_point, node, shift, rates, along_force, up_force, hessian, mixed
+):
+    """Second derivatives of one image of a body's vector, contracted with a force."""
+    s = len(z) - 3
+    l0 = (1.0 + z[s]) * shift[0] + z[s + 2] * shift[1]
+    l1 = (1.0 + z[s + 1]) * shift[1] + z[s + 2] * shift[0]
+    q = n0 * l0 + n1 * l1
+    sine, cosine = np.sin(curvature * q), np.cos(curvature * q)
+    along, h2 = n0 * z[node] + n1 * z[node + 1], z[node + 2]
+    turned, lifted = cosine * along - sine * h2, sine * along + cosine * h2
+    # Forces that work on the rotation, and once more.
+    along_rate = -sine * along_force + cosine * up_force
+    up_rate = -cosine * along_force - sine * up_force
+    twice = -turned * along_force - lifted * up_force
+    once = -lifted * along_force + turned * up_force
+    dd_q = curvature * curvature * twice
+    q_kappa = once + curvature * q * twice
+    if is_point:
+        dd_q += curvature * along_rate
+        q_kappa += q * along_rate
+    home = (along_rate * n0, along_rate * n1, up_rate)
+    for i in range(3):
+        mixed[i] = q * home[i]
+    for r in range(3):
+        d_q = n0 * rates[0, r] + n1 * rates[1, r]
+        mixed[3 + r] = q_kappa * d_q
+        for i in range(3):
+            hessian[i, 3 + r] = hessian[3 + r, i] = curvature * d_q * home[i]
+        for t in range(3):
+            hessian[3 + r, 3 + t] = dd_q * d_q * (n0 * rates[0, t] + n1 * rates[1, t])
 
 
 @njit(cache=True)
@@ -202,6 +292,11 @@ def curve_images(z, curvature, direction, kinds, nodes, shifts, anchors, forces,
                 hessian[k, i, 2] += d13 * ell[i]
                 hessian[k, 2, i] += d13 * ell[i]
             mixed[k, 2] -= q1 * tangential
+        elif kinds[k] == BODY_POINT or kinds[k] == BODY_VECTOR:
+            _curve_body_image(
+                z, curvature, n0, n1, kinds[k] == BODY_POINT, nodes[k], shifts[k], rates,
+                along_force, up_force, hessian[k], mixed[k],
+            )  # fmt: skip
         elif kinds[k] == GRADIENT:
             q1 = _frame_angle(z, anchors[k], shifts[k], len(z), n0, n1)
             sine, cosine = np.sin(curvature * q1), np.cos(curvature * q1)
@@ -236,16 +331,19 @@ def flat_curvature_rates(images: ImageVectors, z: FloatArray) -> FloatArray:
     """
     tensors = np.array([[[1.0, 0], [0, 0]], [[0, 0], [0, 1.0]], [[0, 1.0], [1.0, 0]]])
     home = np.stack([z[images.nodes + c] for c in range(3)], axis=1)
-    is_position = (images.kinds == POSITION)[:, None]
+    kinds = images.kinds[:, None]
+    # A body's images turn by the curvature of the way to them alone.
+    from_home = (kinds == BODY_POINT) | (kinds == BODY_VECTOR)
+    place = np.where(kinds == POSITION, home[:, :2], np.where(from_home, 0.0, images.anchors))
+    place = place + images.shifts
+    is_vector = (images.kinds != POSITION)[:, None]
     is_bent = images.kinds != NUMBERS
-    place = np.where(is_position, home[:, :2], images.anchors) + images.shifts
     rates = np.zeros((3, len(images.kinds), 3))
     for k, tensor in enumerate(tensors):
         turn = place @ tensor
+        sagitta = 0.5 * np.einsum("ni,ni->n", place, turn)
+        lift = np.einsum("ni,ni->n", home[:, :2], turn)
         rates[k, :, :2] = -home[:, 2:] * turn
-        rates[k, :, 2] = np.where(
-            is_position[:, 0],
-            0.5 * np.einsum("ni,ni->n", place, turn),
-            np.einsum("ni,ni->n", home[:, :2], turn),
-        )
+        rates[k, :, 2] = np.where(is_vector[:, 0], lift, 0.0)
+        rates[k, :, 2] += np.where(np.isin(images.kinds, (POSITION, BODY_POINT)), sagitta, 0.0)
     return rates * is_bent[:, None]

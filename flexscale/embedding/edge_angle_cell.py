@@ -27,7 +27,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.embedding.curvature_map import NUMBERS, POSITION
+from flexscale.embedding.curvature_map import NUMBERS
 from flexscale.embedding.rows import FREE_ROW, Rows
 from flexscale.mechanics.edge_angles import EdgeStencils
 from flexscale.mechanics.energy import FloatArray, IntArray
@@ -39,7 +39,7 @@ class EdgeAngleCell(CellEmbedding):
 
     Parameters
     ----------
-    mesh, bond_radius, contact_edge : see `CellEmbedding`.
+    mesh, bond_radius, contact_edge, tets : see `CellEmbedding`.
     angles : whether edges have an angle xi, or averaged normals.
 
     Attributes
@@ -50,17 +50,19 @@ class EdgeAngleCell(CellEmbedding):
 
     n_gap: int
     stencils: EdgeStencils
+    _edges_have_position = True
 
     def __init__(
         self,
         mesh: PeriodicMesh,
         bond_radius: float = 0.0,
-        contact_edge: float = 0.0,
+        contact_edge: float | None = 0.0,
+        tets: bool = True,
         angles: bool = True,
     ) -> None:
         self.angles = angles
         self._mate, self._sign = _mates(mesh)
-        super().__init__(mesh, bond_radius, contact_edge)
+        super().__init__(mesh, bond_radius, contact_edge, tets)
 
     def _number_sheet(self, start: int) -> int:
         mesh = self.mesh
@@ -147,10 +149,15 @@ class EdgeAngleCell(CellEmbedding):
             return rows.row_of[key]
         shift = edge_offset @ mesh.lattice
         arm = mesh.positions[vertex] + offset @ mesh.lattice - self.edge_middle[edge]
-        carriers, values, slopes = self._bond_row(self._edge_bond[edge])
-        terms = [rows.image(POSITION, 3 * int(v), shift, np.zeros(2)) for v in carriers]
-        zero = np.zeros_like(values)
-        return rows.add(key, terms, np.stack([values + slopes @ arm, zero, zero], axis=1))
+        bond = int(self._edge_bond[edge])
+        terms, values = self.nodes.position(rows, bond, shift)
+        slope_terms, slopes = self.nodes.gradient(rows, bond, shift)
+        if terms == slope_terms:
+            weights = values + slopes @ arm
+        else:
+            terms, weights = [*terms, *slope_terms], np.concatenate([values, slopes @ arm])
+        zero = np.zeros_like(weights)
+        return rows.add(key, terms, np.stack([weights, zero, zero], axis=1))
 
     def _angle_row(self, rows: Rows, edge: int) -> int:
         """Row whose first component is xi of an edge, the same in all lattice images."""

@@ -86,6 +86,11 @@ class PullBack:
         """(n_active,) slots of the diagonal."""
         return self.indptr[:-1].astype(np.int64)
 
+    @property
+    def n_pairs(self) -> int:
+        """Number of pairs of rows that elements couple."""
+        return len(self._pairs)
+
     def cover(self, y: FloatArray) -> bool:
         """Make room for contact at a state, beside the room there is; True if the pattern grew."""
         if self.contact is None:

@@ -14,12 +14,18 @@ s) with F the base's deformation gradient: that is where the two unknowns p, q o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
 
-from flexscale.embedding.curvature_map import Bend, ImageVectors, curve_images, place_images
+from flexscale.embedding.curvature_map import (
+    Bend,
+    ImageVectors,
+    curve_images,
+    flat_curvature_rates,
+    place_images,
+)
 from flexscale.mechanics.energy import FloatArray, IntArray
 
 
@@ -122,6 +128,11 @@ class WorldMap:
         _combine(z, image_rates, image_rates, *self._structure(), out, unused)
         return out
 
+    def flat_rates(self, z: FloatArray) -> list[FloatArray]:
+        """Three (n_rows, 3): derivatives of y at the flat rest state by unit kappa_xx, kappa_yy,
+        and kappa_xy."""
+        return [self.combine(z, rates) for rates in flat_curvature_rates(self.images, z)]
+
     def _structure(self) -> tuple:
         return (self.term_indptr, self.terms, self.weights, self.slide)
 
@@ -155,6 +166,17 @@ class SecondOrder:
 
     hessian: FloatArray
     mixed: FloatArray
+
+    def positive_part(self) -> SecondOrder:
+        """Without directions of negative curvature, image by image."""
+        return replace(self, hessian=positive_part(self.hessian))
+
+
+def positive_part(matrices: FloatArray) -> FloatArray:
+    """(n, k, k) symmetric matrices with their negative eigenvalues set to zero."""
+    values, modes = np.linalg.eigh(matrices)
+    modes *= np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    return np.asarray(modes @ np.swapaxes(modes, 1, 2))
 
 
 @njit(cache=True)

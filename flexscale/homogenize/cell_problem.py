@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from flexscale.embedding.bodies import Body
+from flexscale.embedding.body_cell import BodyCell
+from flexscale.embedding.body_map import BodyMap, BodySecondOrder, BodyWorld
+from flexscale.embedding.body_pull_back import BodyPullBack
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
+from flexscale.homogenize.scale_modes import SheetSupport, build_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.contact import ScaleContact, barrier_stiffness
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
@@ -30,23 +37,18 @@ def plate_stiffness(material: NeoHookean, thickness: float) -> float:
     return material.young_modulus * thickness**3 / (12.0 * (1.0 - material.poisson_ratio**2))
 
 
-def _build_energies(embedding: CellEmbedding, model: CellModel) -> list[Energy]:
-    mesh, scale = embedding.mesh, model.scale_material
-    sheet, thickness = model.substrate_material, model.substrate_thickness
-    scales = NeoHookeanTets(
-        mesh.scale_positions,
-        mesh.tets,
+def _build_tets(embedding: CellEmbedding, material: NeoHookean) -> NeoHookeanTets:
+    return NeoHookeanTets(
+        embedding.mesh.scale_positions,
+        embedding.mesh.tets,
         embedding.tet_vectors,
-        scale.shear_modulus,
-        scale.lame_lambda,
+        material.shear_modulus,
+        material.lame_lambda,
     )
-    stiffness = plate_stiffness(sheet, thickness)
-    substrate = build_substrate(embedding, model.substrate, sheet, thickness, stiffness)
-    return [*substrate, scales]
 
 
 def _build_contact(embedding: CellEmbedding, model: CellModel) -> ScaleContact | None:
-    if embedding.contact_surface is None or not model.contact.enabled:
+    if embedding.contact_surface is None:
         return None
     # The force that stretches a strip of sheet as wide as the gap to twice its length.
     modulus = model.substrate_material.young_modulus
@@ -69,7 +71,7 @@ class CellState:
     """
 
     z: FloatArray
-    world: World
+    world: World | BodyWorld
     parts: FloatArray
     energy: float
     forces: FloatArray
@@ -89,6 +91,7 @@ class CellModel:
     contact : how scales touch.
     linear_solver : "auto", "pardiso" or "superlu".
     substrate : the elements of the sheet.
+    scales : how scales are modeled.
     """
 
     substrate_material: NeoHookean
@@ -99,6 +102,19 @@ class CellModel:
     contact: ContactOptions = field(default_factory=ContactOptions)
     linear_solver: str = "auto"
     substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
+    scales: ScaleOptions = field(default_factory=ScaleOptions)
+
+    @property
+    def plate_stiffness(self) -> float:
+        """D of the substrate, N mm."""
+        return plate_stiffness(self.substrate_material, self.substrate_thickness)
+
+    @property
+    def sheet_support(self) -> SheetSupport:
+        """What hangs on a scale."""
+        modulus = self.substrate_material.young_modulus
+        thickness = self.substrate_thickness
+        return SheetSupport.of_strip(modulus, thickness, self.plate_stiffness, self.gap)
 
     @classmethod
     def of_pattern(
@@ -107,6 +123,7 @@ class CellModel:
         contact: ContactOptions | None = None,
         linear_solver: str = "auto",
         substrate: SubstrateOptions | None = None,
+        scales: ScaleOptions | None = None,
     ) -> CellModel:
         """Materials and sizes of a pattern."""
         return cls(
@@ -118,6 +135,7 @@ class CellModel:
             contact or ContactOptions(),
             linear_solver,
             substrate or SubstrateOptions(),
+            scales or ScaleOptions(),
         )
 
 
@@ -128,11 +146,13 @@ class CellProblem:
     ----------
     mesh : torus mesh.
     model : materials, sizes, contact, linear solver.
+    bodies : the scales, if they are bodies and known already.
 
     Attributes
     ----------
     embedding : unknowns and world vectors; `embedding.rest` is the flat state.
-    energies : substrate, then scales.
+    energies : of world vectors: the substrate's, and the scales' if they are tets.
+    bodies : the scales if they are bodies, else none.
     contact : barrier between scales; None without scales or if switched off.
     barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
@@ -144,26 +164,44 @@ class CellProblem:
     PatternError : scales touch or intersect at rest.
     """
 
-    def __init__(self, mesh: PeriodicMesh, model: CellModel) -> None:
+    def __init__(
+        self, mesh: PeriodicMesh, model: CellModel, bodies: Sequence[Body] | None = None
+    ) -> None:
         self.mesh, self.model = mesh, model
         self.area = mesh.cell_area
-        self.embedding = build_embedding(
-            mesh, model.substrate, model.bond_radius, model.contact.edge
+        tets = model.scales.model == "tets" or mesh.n_scales == 0
+        edge = model.contact.edge if model.contact.enabled else None
+        inner = build_embedding(mesh, model.substrate, model.bond_radius, edge, tets)
+        sheet, stiffness = model.substrate_material, model.plate_stiffness
+        self.energies: list[Energy] = build_substrate(
+            inner, model.substrate, sheet, model.substrate_thickness, stiffness
         )
-        self.energies = _build_energies(self.embedding, model)
-        self.contact = _build_contact(self.embedding, model)
+        self.contact = _build_contact(inner, model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
-        self.part_names = tuple(name for e in self.energies for name in e.part_names)
-        if self.contact is not None:
-            self.part_names += self.contact.part_names
+        self.embedding: CellEmbedding | BodyCell = inner
+        self.pull_back: PullBack | BodyPullBack
+        self.bodies: tuple[Body, ...] = ()
+        names = [name for e in self.energies for name in e.part_names]
+        self.part_names = (*names, "scales", *([] if self.contact is None else ["contact"]))
+        if tets:
+            self.energies.append(_build_tets(inner, model.scale_material))
+            self._check_start()
+            self.pull_back = PullBack(inner.world_map, self.energies, inner.active, self.contact)
+        else:
+            if bodies is None:
+                cutoff = model.scales.cutoff
+                bodies = build_bodies(inner, model.scale_material, model.sheet_support, cutoff)
+            self.bodies = tuple(bodies)
+            self.embedding = BodyCell(inner, self.bodies)
+            self._check_start()
+            everything = np.arange(inner.n_unknowns)
+            self.pull_back = BodyPullBack(
+                self.embedding.world_map,
+                PullBack(inner.world_map, self.energies, everything),
+                self.embedding.active,
+                self.contact,
+            )
         self.active = self.embedding.active
-        self._check_start()
-        self.pull_back = PullBack(
-            self.embedding.world_map,
-            self.energies,
-            self.active,
-            self.contact,
-        )
         self.build_system()
         self.shift_mode = self.embedding.shift_mode[self.active]
         # Energies below this are rounding: strains of 1e-12 in the sheet, of 3e-15 in the scales.
@@ -196,11 +234,12 @@ class CellProblem:
         *,
         contact: ContactOptions | None = None,
         substrate: SubstrateOptions | None = None,
+        scales: ScaleOptions | None = None,
         linear_solver: str = "auto",
     ) -> CellProblem:
         """Mesh a pattern and set up its native model."""
         mesh = build_mesh(pattern, options or MeshOptions())
-        return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver, substrate))
+        return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver, substrate, scales))
 
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
         """Room in the Hessian for contact at z alone: results must not depend on earlier states."""
@@ -247,14 +286,20 @@ class BentCell:
         energies: list[Energy | ScaleContact] = [*problem.energies]
         if problem.contact is not None:
             energies.append(problem.contact)
-        parts = np.concatenate([e.energy_parts(world.y) for e in energies])
+        found = [e.energy_parts(world.y) for e in energies]
+        if isinstance(world_map, BodyMap):
+            found.insert(len(problem.energies), np.array([world_map.elastic_energy(z)]))
+        parts = np.concatenate(found)
         forces = np.zeros_like(world.y)
         gradient = np.zeros(len(self.active))
         energy = float(parts.sum())
         if np.isfinite(energy):
             for e in energies:
                 e.add_gradient(world.y, forces)
-            gradient = world_map.pull_gradient(world, forces)[self.active]
+            gradient = world_map.pull_gradient(world, forces)
+            if isinstance(world_map, BodyMap):
+                gradient += world_map.elastic_gradient(z)
+            gradient = gradient[self.active]
         return CellState(z, world, parts, energy, forces, gradient)
 
     def hessian_values(self, state: CellState, project: str = NOTHING) -> FloatArray:
@@ -264,10 +309,10 @@ class BentCell:
         blocks = self.problem.pull_back.pair_blocks(state.world.y, project)
         second = self._second_order(state)
         if project == ALL:
-            second = SecondOrder(_positive_part(second.hessian), second.mixed)
+            second = second.positive_part()
         return self.problem.pull_back.hessian(state.world, blocks, state.forces, second)
 
-    def _second_order(self, state: CellState) -> SecondOrder:
+    def _second_order(self, state: CellState) -> SecondOrder | BodySecondOrder:
         world_map = self.problem.embedding.world_map
         return world_map.second_order(state.z, self.bend, state.world, state.forces)
 
@@ -287,8 +332,3 @@ class BentCell:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""
         return float(np.sum(state.forces * state.world.kappa_rate)) / self.problem.area
 
-
-def _positive_part(matrices: FloatArray) -> FloatArray:
-    values, modes = np.linalg.eigh(matrices)
-    modes *= np.sqrt(np.maximum(values, 0.0))[:, None, :]
-    return modes @ np.swapaxes(modes, 1, 2)

@@ -15,13 +15,17 @@ from flexscale.patterns import NeoHookean
 
 
 def build_embedding(
-    mesh: PeriodicMesh, options: SubstrateOptions, bond_radius: float, contact_edge: float
+    mesh: PeriodicMesh,
+    options: SubstrateOptions,
+    bond_radius: float,
+    contact_edge: float | None,
+    tets: bool,
 ) -> CellEmbedding:
-    """Unknowns of a cell; lengths in mm."""
+    """Unknowns of a cell; lengths in mm; without contact where its edge is None."""
     if options.element == "c1":
-        return C1Cell(mesh, bond_radius, contact_edge)
+        return C1Cell(mesh, bond_radius, contact_edge, tets)
     angles = options.element == "edge_angle"
-    return EdgeAngleCell(mesh, bond_radius, contact_edge, angles)
+    return EdgeAngleCell(mesh, bond_radius, contact_edge, tets, angles)
 
 
 def build_substrate(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.embedding.curvature_map import Bend, flat_curvature_rates
+from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
@@ -77,9 +77,9 @@ def solve_tangent(problem: CellProblem) -> TangentStiffness:
     blocks = pull_back.pair_blocks(state.world.y)
     problem.system.factorize(cell.hessian_values(state))
     # kappa_xy counts once: 2 kappa_xy = 1 is half the tensor e1 e2 + e2 e1.
-    images = flat_curvature_rates(embedding.world_map.images, embedding.rest)
-    images *= np.array([1.0, 1.0, 0.5])[:, None, None]
-    rates = [embedding.world_map.combine(embedding.rest, r) for r in images]
+    factors = (1.0, 1.0, 0.5)
+    found = embedding.world_map.flat_rates(embedding.rest)
+    rates = [factor * rate for factor, rate in zip(factors, found, strict=True)]
     stressed = [pull_back.multiply(blocks, r) for r in rates]
     loads = [embedding.world_map.pull_gradient(state.world, s)[problem.active] for s in stressed]
     relaxed = [problem.system.solve(-load)[0] for load in loads]

@@ -39,8 +39,7 @@ class ContactSurface:
     ----------
     rows : (n_rows,) rows of the world vectors with the positions of scale vertices, each once.
     weights : (n, n_rows) of these rows in the surface's vertices; affine motions are reproduced.
-    vertices : (n,) scale vertex that each vertex of the surface is, or is an image of.
-    own_rows : (n,) row of y with each such scale vertex itself.
+    vertices : (n,) scale vertex that each vertex of the surface is, or is an image of; -1 for none.
     rest : (n, 3) rest positions of the surface's vertices, mm.
     triangles : (n_triangles, 3) vertices of this surface, outward.
     bodies : (n,) whole scale that a vertex belongs to; images are bodies of their own.
@@ -50,7 +49,6 @@ class ContactSurface:
     rows: IntArray
     weights: sp.csr_array
     vertices: IntArray
-    own_rows: IntArray
     rest: FloatArray
     triangles: IntArray
     bodies: IntArray
@@ -96,10 +94,6 @@ class ScaleContact:
     def positions(self, y: FloatArray) -> FloatArray:
         """(n, 3) world positions of the surface's vertices, mm."""
         return np.asfortranarray(self.surface.weights @ y[self.surface.rows])
-
-    def element_positions(self, y: FloatArray) -> FloatArray:
-        """(n, 3) world positions of the scale vertices as they are, the contact edge left out."""
-        return y[self.surface.own_rows]
 
     def _collisions(self, y: FloatArray) -> tuple[FloatArray, ipctk.NormalCollisions]:
         if self._found is None or self._found[0] is not y:
@@ -198,14 +192,15 @@ class ScaleContact:
         gradient = self._potential.gradient(collisions, self._mesh, positions)
         return np.asarray(-gradient.reshape(-1, 3))
 
-    def vertex_forces(self, y: FloatArray) -> FloatArray:
-        """(n_scale_vertices,) contact force on each scale vertex, as the length of a vector, N.
+    def vertex_forces(self, y: FloatArray, n_vertices: int) -> FloatArray:
+        """(n_vertices,) contact force on each scale vertex, as the length of a vector, N.
 
         A scale meets some neighbors itself, and others where one of its images meets a home scale.
         """
-        vertices = self.surface.vertices
-        lengths = np.linalg.norm(self.forces(y), axis=1)
-        return np.bincount(vertices, lengths).astype(float)
+        known = self.surface.vertices >= 0
+        lengths = np.linalg.norm(self.forces(y), axis=1)[known]
+        found = np.bincount(self.surface.vertices[known], lengths, minlength=n_vertices)
+        return found.astype(float)
 
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the home scales' vertices, as lengths of vectors, N."""

@@ -1,0 +1,271 @@
+"""The modes of a scale: its elastic responses to the loads that sheet and contact put on it.
+
+A scale of hard material hardly strains, but where the sheet pulls it gives way, and that halves the
+stiffness of some patterns. Its finite elements need many unknowns for that, of which few matter:
+those in which the scale is soft compared to what pulls there. With f_j the unit loads on its points
+and vectors, each times the root of a stiffness k_j of what hangs on them (the strip of sheet along
+the outline, or the neighbor that it touches), and C_ij = f_i . K^-1 f_j, the eigenvalues of C are
+the ratios of the two compliances; modes with a ratio above a cutoff are kept.
+
+The strip of width g, thickness t and plate stiffness D that is held on its other side pulls per
+length with E t / g in the plane and 12 D / g^3 across, and turns with 4 D / g.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from flexscale.embedding.bodies import N_STRAINS, STRAIN_PAIRS, Body
+from flexscale.embedding.cell import CellEmbedding
+from flexscale.embedding.curvature_map import BODY_POINT
+from flexscale.embedding.scale_nodes import PointNodes
+from flexscale.mechanics.energy import FloatArray, IntArray, block_pairs
+from flexscale.mechanics.neo_hookean import NeoHookeanTets
+from flexscale.mesh.periodic_mesh import PeriodicMesh
+from flexscale.patterns import NeoHookean
+from flexscale.solve.linear import build_factorization
+
+_AT_ONCE = 64  # loads that are solved for together
+_SAME = 1e-5  # eigenvalues closer than this are a pair that symmetry makes: both or none are kept
+
+
+@dataclass(frozen=True)
+class SheetSupport:
+    """What hangs on a scale: a strip of sheet all along its outline, and neighbors.
+
+    Attributes
+    ----------
+    stretching, lifting : N/mm2 per length of the strip, for displacements in the plane and across.
+    turning : N per length, for gradients.
+    touching : N/mm2 per length of the outline, of a neighbor.
+    """
+
+    stretching: float
+    lifting: float
+    turning: float
+    touching: float
+
+    @classmethod
+    def of_strip(
+        cls, young_modulus: float, thickness: float, bending_stiffness: float, gap: float
+    ) -> SheetSupport:
+        """The strip of sheet in the gap; moduli in MPa, lengths in mm, stiffness in N mm."""
+        stretching = young_modulus * thickness / gap
+        return cls(
+            stretching, 12.0 * bending_stiffness / gap**3, 4.0 * bending_stiffness / gap, stretching
+        )
+
+
+def build_bodies(
+    embedding: CellEmbedding, material: NeoHookean, support: SheetSupport, cutoff: float
+) -> list[Body]:
+    """Bodies of all scales of a cell whose scales are points (`PointNodes`)."""
+    nodes = embedding.nodes
+    assert isinstance(nodes, PointNodes)
+    loads = _loads(embedding, nodes, support)
+    shares = embedding.vertex_shares()
+    return [
+        _build_body(embedding, nodes, material, loads, shares, scale, cutoff)
+        for scale in range(embedding.mesh.n_scales)
+    ]
+
+
+def _build_body(
+    embedding: CellEmbedding,
+    nodes: PointNodes,
+    material: NeoHookean,
+    loads: sp.csr_array,
+    shares: FloatArray,
+    scale: int,
+    cutoff: float,
+) -> Body:
+    mesh = embedding.mesh
+    vertices = np.unique(mesh.tets[mesh.tet_scale == scale])
+    stiffness = _stiffness(mesh, scale, vertices, material)
+    components = (3 * vertices[:, None] + np.arange(3)).ravel()
+    own = sp.csc_array(sp.csr_array(loads[components]))
+    own = own[:, np.flatnonzero(np.diff(own.indptr))]
+    carried = np.flatnonzero(mesh.vertex_scale == scale)
+    weight = shares[carried] / shares[carried].sum()
+    anchor = weight @ mesh.positions[carried]
+    places = mesh.scale_positions[vertices].copy()
+    places[:, :2] -= anchor
+    modes = _modes(stiffness, own.toarray(), places, cutoff)
+    fields = np.concatenate([_strain_fields(places), modes], axis=1)
+    n = modes.shape[1]
+    shapes = modes.reshape(len(vertices), 3, n)
+    mine = np.flatnonzero(nodes.scale == scale)
+    on_nodes = nodes.weights[mine][:, vertices]
+    bonds = embedding.bonds
+    table = sp.csr_array(
+        (bonds.values, bonds.scale_vertices, bonds.indptr),
+        shape=(len(bonds.indptr) - 1, mesh.n_scale_vertices),
+    )[embedding.vertex_bond[carried]][:, vertices]
+    offsets = mesh.positions[carried] - anchor
+    is_point = (nodes.kinds[mine] == BODY_POINT).astype(float)
+    arms = nodes.rest[mine].copy()
+    arms[:, :2] -= is_point[:, None] * anchor
+    return Body(
+        anchor=anchor,
+        arms=arms,
+        is_point=is_point,
+        modes=(on_nodes @ modes.reshape(len(vertices), 3 * n)).reshape(len(mine), 3, n),
+        stiffness=_symmetric(fields.T @ (stiffness @ fields)),
+        second_moment=offsets.T @ (weight[:, None] * offsets),
+        share=float(shares[carried].sum()),
+        mean_modes=weight @ (table @ shapes[:, 2]),
+        shapes=shapes,
+        vertices=vertices,
+        vertex_arms=places,
+    )
+
+
+def _symmetric(matrix: FloatArray) -> FloatArray:
+    return 0.5 * (matrix + matrix.T)
+
+
+def _stiffness(
+    mesh: PeriodicMesh, scale: int, vertices: IntArray, material: NeoHookean
+) -> sp.csr_array:
+    """Stiffness (3 n, 3 n) of a scale's finite elements at rest, N/mm."""
+    tets = np.searchsorted(vertices, mesh.tets[mesh.tet_scale == scale])
+    rest = mesh.scale_positions[vertices]
+    elements = NeoHookeanTets(rest, tets, tets, material.shear_modulus, material.lame_lambda)
+    blocks = elements.hessian_blocks(rest)
+    i, j = block_pairs(tets.shape[1])
+    first, second = np.broadcast_arrays(
+        3 * tets[:, i][..., None, None] + np.arange(3)[:, None],
+        3 * tets[:, j][..., None, None] + np.arange(3),
+    )
+    first, second = np.broadcast_arrays(first, second)
+    upper = sp.csr_array(
+        (blocks.ravel(), (first.ravel(), second.ravel())), shape=(3 * len(vertices),) * 2
+    )
+    off = i != j
+    lower = sp.csr_array(
+        (blocks[:, off].ravel(), (second[:, off].ravel(), first[:, off].ravel())),
+        shape=upper.shape,
+    )
+    return sp.csr_array(upper + lower)
+
+
+def _strain_fields(places: FloatArray) -> FloatArray:
+    """(3 n, 6) displacements of the unit strains of `bodies`."""
+    fields = np.zeros((len(places), 3, N_STRAINS))
+    for k, (a, b) in enumerate(STRAIN_PAIRS):
+        fields[:, b, k] += 0.5 * places[:, a]
+        fields[:, a, k] += 0.5 * places[:, b]
+    return fields.reshape(-1, N_STRAINS)
+
+
+def _loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -> sp.csr_array:
+    """(3 n_scale_vertices, n_loads) unit loads times the roots of their stiffnesses."""
+    mesh = embedding.mesh
+    outline = np.flatnonzero(mesh.edge_scale >= 0)
+    lengths = np.linalg.norm(embedding.edge_span[outline], axis=1)
+    normals = np.stack([-embedding.edge_span[outline, 1], embedding.edge_span[outline, 0]], axis=1)
+    normals /= lengths[:, None]
+    # An edge's length goes to its ends and its middle by Simpson's rule, a bond at a time.
+    first_edge = len(embedding.bonds.indptr) - 1 - len(outline)
+    ends = embedding.vertex_bond[mesh.edges[outline]]
+    middles = first_edge + np.arange(len(outline))
+    bond = np.concatenate([ends[:, 0], ends[:, 1], middles])
+    length = np.concatenate([lengths / 6.0, lengths / 6.0, 4.0 * lengths / 6.0])
+    normal = np.tile(normals, (3, 1))
+    columns: list[FloatArray] = []
+    rows: list[sp.csr_array] = []
+    vectors: dict[int, list[int]] = {}
+    points: dict[int, int] = {}
+    for node, owner in enumerate(nodes.bond_of.tolist()):
+        if owner >= 0 and nodes.kinds[node] == BODY_POINT:
+            points[owner] = node
+        elif owner >= 0:
+            vectors.setdefault(owner, []).append(node)
+    total = np.bincount(bond, length)
+    for owner, node in points.items():
+        for axis, stiffness in enumerate(
+            (support.stretching, support.stretching, support.lifting)
+        ):
+            rows.append(nodes.weights[[node]] * np.sqrt(stiffness * total[owner]))
+            columns.append(axis)
+    for k in range(len(bond)):
+        u, v = vectors[int(bond[k])]
+        row = normal[k, 0] * nodes.weights[[u]] + normal[k, 1] * nodes.weights[[v]]
+        rows.append(row * np.sqrt(support.turning * length[k]))
+        columns.append(2)
+    wall = np.flatnonzero(nodes.bond_of < 0)
+    per_scale = np.bincount(mesh.edge_scale[outline], lengths, minlength=mesh.n_scales)
+    counts = np.bincount(nodes.scale[wall], minlength=mesh.n_scales)
+    for node in wall.tolist():
+        owner = nodes.scale[node]
+        span = 2.0 * per_scale[owner] / counts[owner]
+        for axis in range(3):
+            rows.append(nodes.weights[[node]] * np.sqrt(support.touching * span))
+            columns.append(axis)
+    table = sp.coo_array(sp.vstack(rows))
+    axes = np.array(columns)
+    return sp.csr_array(
+        (table.data, (3 * table.coords[1] + axes[table.coords[0]], table.coords[0])),
+        shape=(3 * mesh.n_scale_vertices, len(rows)),
+    )
+
+
+def _modes(
+    stiffness: sp.csr_array, loads: FloatArray, places: FloatArray, cutoff: float
+) -> FloatArray:
+    """(3 n, k) modes of unit energy without their affine parts."""
+    n = len(places)
+    affine = np.zeros((n, 3, 12))
+    for c in range(3):
+        affine[:, c, c] = 1.0
+        affine[:, c, 3 + 3 * c : 6 + 3 * c] = places
+    basis = np.linalg.qr(affine.reshape(3 * n, 12))[0]
+    turns = np.zeros((n, 3, 6))
+    for c in range(3):
+        turns[:, c, c] = 1.0
+        axis = np.zeros(3)
+        axis[c] = 1.0
+        turns[:, :, 3 + c] = np.cross(axis, places)
+    rigid = np.linalg.qr(turns.reshape(3 * n, 6))[0]
+    balanced = loads - rigid @ (rigid.T @ loads)
+    response = _solve(stiffness, balanced, places)
+    response -= rigid @ (rigid.T @ response)
+    values, vectors = np.linalg.eigh(_symmetric(balanced.T @ response))
+    values, vectors = values[::-1], vectors[:, ::-1]
+    count = int(np.count_nonzero(values > cutoff))
+    while 0 < count < len(values) and values[count] > (1.0 - _SAME) * values[count - 1]:
+        count += 1
+    modes = response @ (vectors[:, :count] / np.sqrt(values[:count]))
+    return np.asarray(modes - basis @ (basis.T @ modes))
+
+
+def _solve(stiffness: sp.csr_array, loads: FloatArray, places: FloatArray) -> FloatArray:
+    """A displacement under each balanced load (3 n, k); rigid motions are left open."""
+    held = _three_points(places)
+    free = np.setdiff1d(np.arange(len(loads)), held)
+    upper = sp.csr_array(sp.triu(stiffness[free][:, free]))
+    upper.sort_indices()
+    factorization = build_factorization(upper.indptr, upper.indices)
+    factorization.factorize(upper.data)
+    out = np.zeros_like(loads)
+    for start in range(0, loads.shape[1], _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        out[free, part] = factorization.solve(loads[free, part])
+    return out
+
+
+def _three_points(places: FloatArray) -> IntArray:
+    """Six components that hold a body just so: three, two and one of three far vertices."""
+    a = int(np.argmin(places @ [1.0, 0.3, 0.1]))
+    b = int(np.argmax(np.linalg.norm(places - places[a], axis=1)))
+    along = (places[b] - places[a]) / np.linalg.norm(places[b] - places[a])
+    c = int(np.argmax(np.linalg.norm(np.cross(places - places[a], along), axis=1)))
+    span = np.abs(along)
+    main = int(np.argmax(span))
+    others = [axis for axis in range(3) if axis != main]
+    normal = np.abs(np.cross(along, places[c] - places[a]))
+    last = int(np.argmax(normal))
+    return np.array([3 * a, 3 * a + 1, 3 * a + 2, 3 * b + others[0], 3 * b + others[1], 3 * c + last])

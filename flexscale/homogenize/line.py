@@ -248,12 +248,16 @@ def _is_free(problem: CellProblem, line: Line, point: _Point, state: CellState) 
 
 
 def _squeeze(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray:
-    """Start at `target` along dz/dkappa only as far as no scales meet, which squeezes them.
+    """Start at `target` along dz/dkappa, all scales moved apart along the bend until none meet.
 
-    Where they meet even without moving, the start is not admissible: its entries are NaN.
+    By itself a scale of height h comes nearer to its neighbor by its change of curvature times h.
+    Where they meet all the same, the start is not admissible: its entries are NaN.
     """
-    for share in (1.0, 0.75, 0.5, 0.25, 0.0):
-        z = point.z + share * (target - point.curvature) * point.rate
+    span = target - point.curvature
+    room = span * problem.mesh.scale_height
+    for share, stretch in ((1.0, 0.5), (1.0, 1.0), (1.0, 2.0), (0.5, 1.0), (0.0, 1.0), (0.0, 0.0)):
+        z = point.z + share * span * point.rate
+        z = problem.embedding.stretched(z, line.bend(target).direction, stretch * room)
         if _is_free(problem, line, point, problem.bent(line.bend(target)).evaluate(z)):
             return z
     return np.full_like(point.z, np.nan)

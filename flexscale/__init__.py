@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexscale.macro.fit import fit
     from flexscale.macro.model import MacroModel
     from flexscale.mechanics.contact_options import ContactOptions
+    from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
     from flexscale.mesh.options import MeshOptions
     from flexscale.patterns.material import PETG, TPU, NeoHookean
@@ -35,6 +36,7 @@ __all__ = [
     "MeshOptions",
     "NeoHookean",
     "Pattern",
+    "ScaleOptions",
     "SolverOptions",
     "SubstrateOptions",
     "Tiling",
@@ -58,6 +60,7 @@ _HOMES = {
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",
+    "ScaleOptions": "flexscale.mechanics.scale_options",
     "SolverOptions": "flexscale.solve.newton",
     "SubstrateOptions": "flexscale.mechanics.substrate_options",
     "Tiling": "flexscale.tilings",

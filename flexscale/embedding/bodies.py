@@ -16,8 +16,8 @@ rotations cost nothing, strains may be large in rotation but stay small in thems
 scale they do: below 1 %).
 
 p is given by curvilinear coordinates w and turns, as the g do, with the cylinder at the anchor. The
-flat base under a bend lies off the cylinder by -kappa |r . n|^2 / 2, in the mean by -kappa n . J n /
-2; p is lifted by as much, so that its w3 is the mean normal displacement of the midsurface there.
+flat base under a bend lies off the cylinder by -kappa (r . n)^2 / 2, in the mean by -kappa n . J n
+/ 2; p is lifted by as much: its w3 then is the mean normal displacement of the midsurface there.
 """
 
 from __future__ import annotations

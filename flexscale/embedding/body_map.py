@@ -72,7 +72,8 @@ class BodySecondOrder:
     Attributes
     ----------
     inner : of the inner map.
-    blocks : (n_unknowns, n_unknowns) of each body, with its elastic Hessian; mixed : (n_unknowns,) with kappa.
+    blocks : (n_unknowns, n_unknowns) of each body, with its elastic Hessian.
+    mixed : (n_unknowns,) of each body, with kappa.
     """
 
     inner: SecondOrder
@@ -164,9 +165,9 @@ class BodyMap:
             points.append(coefficients @ frames[four])
             rates.append(coefficients @ rate[four])
             whole = np.empty((body.n_points, 3, body.n_unknowns))
-            whole[:, :, :N_FRAME] = np.einsum(
-                "ja,acd->jcad", coefficients, jacobian[four]
-            ).reshape(body.n_points, 3, N_FRAME)
+            whole[:, :, :N_FRAME] = np.einsum("ja,acd->jcad", coefficients, jacobian[four]).reshape(
+                body.n_points, 3, N_FRAME
+            )
             whole[:, :, N_FRAME:] = np.tensordot(
                 frames[four][1:].T, body.modes, axes=(1, 1)
             ).transpose(1, 0, 2)

@@ -8,6 +8,8 @@ changes.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -64,13 +66,11 @@ class BodyPullBack:
             ),
             shape=(m, m),
         )
-        coupling = sp.csr_array(
-            (slots[mixed], (columns[mixed] - m, rows[mixed])), shape=(n - m, m)
-        )
+        coupling = sp.csr_array((slots[mixed], (columns[mixed] - m, rows[mixed])), shape=(n - m, m))
         starts = 3 * self.map.point_starts
         self._point_blocks, self._couplings = [], []
-        for k, (a, b) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
-            for j, (c, d) in enumerate(zip(starts[:-1], starts[1:], strict=True)):
+        for k, (a, b) in enumerate(itertools.pairwise(starts)):
+            for j, (c, d) in enumerate(itertools.pairwise(starts)):
                 block = sp.csr_array(points[a:b, c:d])
                 if j >= k and block.nnz:
                     self._point_blocks.append((k, j, block))

@@ -132,7 +132,7 @@ class C1Cell(CellEmbedding):
         if self.mesh.edge_scale[edge] == GAP_EDGE:
             image = rows.image(GRADIENT, int(self.edge_node[edge]), shift, self.edge_middle[edge])
             return rows.add(key, [image], FREE_ROW)
-        terms, slopes = self.nodes.gradient(rows, int(self._edge_bond[edge]), shift)
+        terms, slopes = self.nodes.gradient(rows, int(self.edge_bond[edge]), shift)
         along, across = slopes @ self.edge_tangent[edge], slopes @ self.edge_normal[edge]
         weights = np.stack([np.zeros_like(along), across, along], axis=1)
         return rows.add(key, terms, weights, int(self.edge_slide[edge]))

@@ -42,8 +42,11 @@ class CellEmbedding(ABC):
     Attributes
     ----------
     world_map : z -> y.
-    n_unknowns : length of z, S included; n_nodes : three-number nodes of scales, they come first.
+    n_unknowns : length of z, S included.
+    n_nodes : nodes of scales, three numbers each; they come first.
     nodes : what the scales hand to sheet and contact.
+    bonds : of the sheet to the scales, at `bonded (n_bonds, 2)`.
+    vertex_bond, edge_bond : (n_vertices,), (n_edges,) bond of each, -1 for none.
     vertex_node : (n_vertices,) first of the three w of a free substrate vertex, -1 for others.
     rest : (n_unknowns,) z of the flat, stress-free state.
     active : indices of all unknowns but two that pin the in-plane translation, and places in z that
@@ -77,8 +80,9 @@ class CellEmbedding(ABC):
         rows = Rows()
         self.tet_vectors = self._add_scales(rows) if tets else np.zeros((0, 4), dtype=np.int64)
         self._add_sheet(rows)
-        has_contact = contact_edge is not None and mesh.n_scales > 0
-        self.contact_surface = self._add_contact(rows, contact_edge) if has_contact else None
+        self.contact_surface = None
+        if contact_edge is not None and mesh.n_scales > 0:
+            self.contact_surface = self._add_contact(rows, contact_edge)
         self.world_map = rows.world_map(self.n_unknowns)
         pinned = 0 if mesh.n_scales else int(self.vertex_node[0])
         held = [pinned, pinned + 1, *self._held_unknowns()]
@@ -133,8 +137,8 @@ class CellEmbedding(ABC):
         self.bonds, self.bonded = bonds, points
         self.vertex_bond = np.full(mesh.n_vertices, -1, dtype=np.int64)
         self.vertex_bond[carried] = np.arange(len(carried))
-        self._edge_bond = np.full(mesh.n_edges, -1, dtype=np.int64)
-        self._edge_bond[outline] = len(carried) + np.arange(len(outline))
+        self.edge_bond = np.full(mesh.n_edges, -1, dtype=np.int64)
+        self.edge_bond[outline] = len(carried) + np.arange(len(outline))
         if tets or not mesh.n_scales:
             return TetNodes(mesh, bonds)
         has_value = np.arange(len(points)) < len(carried)
@@ -206,7 +210,8 @@ class CellEmbedding(ABC):
         """(n_vertices,) share of the midsurface that belongs to each substrate vertex."""
         areas = self.mesh.triangle_areas()
         corners = np.repeat(areas / (3.0 * areas.sum()), 3)
-        return np.bincount(self.mesh.triangles.ravel(), corners, minlength=self.mesh.n_vertices)
+        n = self.mesh.n_vertices
+        return np.bincount(self.mesh.triangles.ravel(), corners, minlength=n).astype(float)
 
     def _build_mean_offset(self, tets: bool) -> FloatArray:
         """Mass-weighted mean of w3 over the midsurface, with tets also under the scales [Eq. 8]."""

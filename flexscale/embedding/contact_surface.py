@@ -93,9 +93,7 @@ def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices
     )
 
 
-def surface_rest(
-    mesh: PeriodicMesh, positions: FloatArray, surface: SurfaceVertices
-) -> FloatArray:
+def surface_rest(mesh: PeriodicMesh, positions: FloatArray, surface: SurfaceVertices) -> FloatArray:
     """(n, 3) rest positions of the surface's vertices, images shifted, mm."""
     rest = positions[surface.vertices].copy()
     rest[:, :2] += surface.offsets @ mesh.lattice

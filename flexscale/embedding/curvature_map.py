@@ -100,9 +100,7 @@ def _frame_angle(z, anchor, shift, n_unknowns, n0, n1):
 
 
 @njit(cache=True)
-def _place_body_image(
-    z, curvature, n0, n1, is_point, node, shift, rates, x, jacobian, kappa_rate
-):
+def _place_body_image(z, curvature, n0, n1, is_point, node, shift, rates, x, jacobian, kappa_rate):
     """Fill x (3,), jacobian (3, 6) and kappa_rate (3,) of one image of a body's vector."""
     s = len(z) - 3
     l0 = (1.0 + z[s]) * shift[0] + z[s + 2] * shift[1]

@@ -149,7 +149,7 @@ class EdgeAngleCell(CellEmbedding):
             return rows.row_of[key]
         shift = edge_offset @ mesh.lattice
         arm = mesh.positions[vertex] + offset @ mesh.lattice - self.edge_middle[edge]
-        bond = int(self._edge_bond[edge])
+        bond = int(self.edge_bond[edge])
         terms, values = self.nodes.position(rows, bond, shift)
         slope_terms, slopes = self.nodes.gradient(rows, bond, shift)
         if terms == slope_terms:

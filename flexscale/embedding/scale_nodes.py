@@ -109,7 +109,8 @@ class PointNodes:
     weights : (n_nodes, n_scale_vertices) of the scale's vertices in each node.
     kinds : (n_nodes,) BODY_POINT or BODY_VECTOR.
     scale : (n_nodes,) ascending.
-    bond_of : (n_nodes,) bond whose node it is, -1 on a wall.
+    value_of : (n_bonds,) node with a bond's position, -1 without.
+    gradient_of : (n_bonds, 2) nodes with its in-plane gradients, -1 without.
     """
 
     def __init__(
@@ -139,27 +140,39 @@ class PointNodes:
         scale = np.concatenate([scales[valued], scales[held], scales[held], owner[wall]])
         kinds = np.full(len(scale), BODY_POINT)
         kinds[len(valued) : len(valued) + 2 * len(held)] = BODY_VECTOR
-        bond = np.concatenate([valued, held, held, np.full(len(wall), -1)])
         order = np.argsort(scale, kind="stable")
         self.weights, self.scale, self.kinds = weights[order], scale[order], kinds[order]
-        self.bond_of = bond[order]
         self.rest = self.weights @ mesh.scale_positions
         place = np.argsort(order)
-        self._value_of, self._gradient_of = np.full((2, len(scales)), -1)
-        self._value_of[valued] = place[: len(valued)]
-        self._gradient_of = np.full((len(scales), 2), -1)
-        self._gradient_of[held, 0] = place[len(valued) : len(valued) + len(held)]
-        self._gradient_of[held, 1] = place[len(valued) + len(held) :][: len(held)]
+        self.value_of = np.full(len(scales), -1)
+        self.value_of[valued] = place[: len(valued)]
+        self.gradient_of = np.full((len(scales), 2), -1)
+        self.gradient_of[held, 0] = place[len(valued) : len(valued) + len(held)]
+        self.gradient_of[held, 1] = place[len(valued) + len(held) :][: len(held)]
         self._wall_nodes = place[len(valued) + 2 * len(held) :]
 
     def position(self, rows: Rows, bond: int, shift: FloatArray) -> tuple[list[int], FloatArray]:
-        return [self.image(rows, int(self._value_of[bond]), shift)], np.ones(1)
+        return [self.image(rows, int(self.value_of[bond]), shift)], np.ones(1)
 
     def gradient(self, rows: Rows, bond: int, shift: FloatArray) -> tuple[list[int], FloatArray]:
-        return [self.image(rows, int(node), shift) for node in self._gradient_of[bond]], np.eye(2)
+        return [self.image(rows, int(node), shift) for node in self.gradient_of[bond]], np.eye(2)
 
     def image(self, rows: Rows, node: int, shift: FloatArray) -> int:
         return rows.image(int(self.kinds[node]), 3 * node, shift, np.zeros(2))
+
+    def wall_normals(self) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Nodes (n,) on walls, outward normals (n, 3) and half lengths (n,) [mm] of the facets
+        they belong to."""
+        if not len(self._wall_nodes):
+            return np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0)
+        wall = self._wall
+        facets = wall.corners[len(wall.bottom_and_top) :]
+        along = wall.positions[facets[:, 1]] - wall.positions[facets[:, 0]]
+        length = np.linalg.norm(along, axis=1)
+        outward = np.stack([along[:, 1], -along[:, 0], np.zeros(len(along))], axis=1)
+        outward /= length[:, None]
+        nodes = self._wall_nodes[facets.ravel()]
+        return nodes, np.repeat(outward, 4, axis=0), np.repeat(0.5 * length, 4)
 
     def touching_surface(self, edge: float) -> TouchingSurface:
         """The walls, between points at their feet and tops; the middles of facets follow these."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -172,14 +173,15 @@ class CellProblem:
         tets = model.scales.model == "tets" or mesh.n_scales == 0
         edge = model.contact.edge if model.contact.enabled else None
         inner = build_embedding(mesh, model.substrate, model.bond_radius, edge, tets)
-        sheet, stiffness = model.substrate_material, model.plate_stiffness
+        material, stiffness = model.substrate_material, model.plate_stiffness
         self.energies: list[Energy] = build_substrate(
-            inner, model.substrate, sheet, model.substrate_thickness, stiffness
+            inner, model.substrate, material, model.substrate_thickness, stiffness
         )
         self.contact = _build_contact(inner, model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
-        self.embedding: CellEmbedding | BodyCell = inner
-        self.pull_back: PullBack | BodyPullBack
+        # Cells with tets and with bodies: the same calls, with worlds of their own.
+        self.embedding: Any = inner
+        self.pull_back: Any
         self.bodies: tuple[Body, ...] = ()
         names = [name for e in self.energies for name in e.part_names]
         self.part_names = (*names, "scales", *([] if self.contact is None else ["contact"]))
@@ -331,4 +333,3 @@ class BentCell:
     def moment(self, state: CellState) -> float:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""
         return float(np.sum(state.forces * state.world.kappa_rate)) / self.problem.area
-

@@ -165,51 +165,41 @@ def _loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -
     """(3 n_scale_vertices, n_loads) unit loads times the roots of their stiffnesses."""
     mesh = embedding.mesh
     outline = np.flatnonzero(mesh.edge_scale >= 0)
-    lengths = np.linalg.norm(embedding.edge_span[outline], axis=1)
-    normals = np.stack([-embedding.edge_span[outline, 1], embedding.edge_span[outline, 0]], axis=1)
-    normals /= lengths[:, None]
-    # An edge's length goes to its ends and its middle by Simpson's rule, a bond at a time.
-    first_edge = len(embedding.bonds.indptr) - 1 - len(outline)
+    spans = embedding.edge_span[outline]
+    lengths = np.linalg.norm(spans, axis=1)
+    normals = np.stack([-spans[:, 1], spans[:, 0]], axis=1) / lengths[:, None]
+    # An edge's length goes to the bonds of its ends and its middle by Simpson's rule.
     ends = embedding.vertex_bond[mesh.edges[outline]]
-    middles = first_edge + np.arange(len(outline))
+    middles = embedding.edge_bond[outline]
     bond = np.concatenate([ends[:, 0], ends[:, 1], middles])
-    length = np.concatenate([lengths / 6.0, lengths / 6.0, 4.0 * lengths / 6.0])
+    length = np.concatenate([lengths, lengths, 4.0 * lengths]) / 6.0
     normal = np.tile(normals, (3, 1))
-    columns: list[FloatArray] = []
-    rows: list[sp.csr_array] = []
-    vectors: dict[int, list[int]] = {}
-    points: dict[int, int] = {}
-    for node, owner in enumerate(nodes.bond_of.tolist()):
-        if owner >= 0 and nodes.kinds[node] == BODY_POINT:
-            points[owner] = node
-        elif owner >= 0:
-            vectors.setdefault(owner, []).append(node)
-    total = np.bincount(bond, length)
-    for owner, node in points.items():
-        for axis, stiffness in enumerate(
-            (support.stretching, support.stretching, support.lifting)
-        ):
-            rows.append(nodes.weights[[node]] * np.sqrt(stiffness * total[owner]))
-            columns.append(axis)
-    for k in range(len(bond)):
-        u, v = vectors[int(bond[k])]
-        row = normal[k, 0] * nodes.weights[[u]] + normal[k, 1] * nodes.weights[[v]]
-        rows.append(row * np.sqrt(support.turning * length[k]))
-        columns.append(2)
-    wall = np.flatnonzero(nodes.bond_of < 0)
-    per_scale = np.bincount(mesh.edge_scale[outline], lengths, minlength=mesh.n_scales)
-    counts = np.bincount(nodes.scale[wall], minlength=mesh.n_scales)
-    for node in wall.tolist():
-        owner = nodes.scale[node]
-        span = 2.0 * per_scale[owner] / counts[owner]
-        for axis in range(3):
-            rows.append(nodes.weights[[node]] * np.sqrt(support.touching * span))
-            columns.append(axis)
-    table = sp.coo_array(sp.vstack(rows))
-    axes = np.array(columns)
+    # Bonds with a position take forces, by their share of the outline; all take couples.
+    share = np.bincount(bond, length, minlength=len(embedding.bonded))
+    valued = np.flatnonzero(nodes.value_of >= 0)
+    share *= lengths.sum() / share[valued].sum()
+    forces = np.sqrt(share[valued])[:, None] * np.sqrt(
+        [support.stretching, support.stretching, support.lifting]
+    )
+    parts = [_columns(nodes.weights[nodes.value_of[valued]], axis * np.eye(3)[k])
+             for k, axis in enumerate(forces.T[:, :, None])]  # fmt: skip
+    couples = np.sqrt(support.turning * length)
+    turn = sp.diags_array(couples * normal[:, 0]) @ nodes.weights[nodes.gradient_of[bond, 0]]
+    turn = turn + sp.diags_array(couples * normal[:, 1]) @ nodes.weights[nodes.gradient_of[bond, 1]]
+    parts.append(_columns(turn, np.tile([0.0, 0.0, 1.0], (len(bond), 1))))
+    touched, outward, span = nodes.wall_normals()
+    presses = np.sqrt(support.touching * span)[:, None] * outward
+    parts.append(_columns(nodes.weights[touched], presses))
+    return sp.csr_array(sp.hstack(parts))
+
+
+def _columns(weights: sp.csr_array, directions: FloatArray) -> sp.csr_array:
+    """(3 n_scale_vertices, n) loads in `directions (n, 3)`, spread by the rows of `weights`."""
     return sp.csr_array(
-        (table.data, (3 * table.coords[1] + axes[table.coords[0]], table.coords[0])),
-        shape=(3 * mesh.n_scale_vertices, len(rows)),
+        sum(
+            sp.kron((sp.diags_array(directions[:, c]) @ weights).T, np.eye(3)[:, [c]])
+            for c in range(3)
+        )
     )
 
 
@@ -268,4 +258,6 @@ def _three_points(places: FloatArray) -> IntArray:
     others = [axis for axis in range(3) if axis != main]
     normal = np.abs(np.cross(along, places[c] - places[a]))
     last = int(np.argmax(normal))
-    return np.array([3 * a, 3 * a + 1, 3 * a + 2, 3 * b + others[0], 3 * b + others[1], 3 * c + last])
+    return np.array(
+        [3 * a, 3 * a + 1, 3 * a + 2, 3 * b + others[0], 3 * b + others[1], 3 * c + last]
+    )

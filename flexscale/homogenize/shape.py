@@ -9,12 +9,14 @@ import numpy as np
 
 from flexscale.datasets.build import build_dataset
 from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.display import Display
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.sweep import check_sweep
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
@@ -32,6 +34,7 @@ def solve_shapes(
     solver: SolverOptions | None = None,
     contact: ContactOptions | None = None,
     substrate: SubstrateOptions | None = None,
+    scales: ScaleOptions | None = None,
 ) -> xr.Dataset:
     """Displacements of scales and substrate under some bends.
 
@@ -39,8 +42,8 @@ def solve_shapes(
     ----------
     pattern : the scale pattern.
     bends : (side, direction [degree], curvature [mm-1, > 0]) of each sample.
-    mesh, solver, contact, substrate : element sizes, solver, contact and substrate options; the
-        defaults if not given.
+    mesh, solver, contact, substrate, scales : element sizes, solver, contact, substrate and scale
+        options; the defaults if not given.
 
     Returns
     -------
@@ -50,11 +53,17 @@ def solve_shapes(
     for side, direction, curvature in bends:
         check_sweep(pattern, [direction], [curvature], [side])
     contact, substrate = contact or ContactOptions(), substrate or SubstrateOptions()
+    scales = scales or ScaleOptions()
     problem = CellProblem.from_pattern(
-        pattern, mesh, contact=contact, substrate=substrate, linear_solver=solver.linear_solver
+        pattern,
+        mesh,
+        contact=contact,
+        substrate=substrate,
+        scales=scales,
+        linear_solver=solver.linear_solver,
     )
-    display, triangles = problem.embedding.display_map()
-    rest = display.place(problem.embedding.rest, Bend(0.0, 0.0)).y
+    display = Display(problem.embedding)
+    rest = display.place(problem.embedding.rest, Bend(0.0, 0.0))
     displacement = np.full((len(bends), *rest.shape), np.nan)
     force = np.full((len(bends), len(rest)), np.nan)
     stretch = np.full((len(bends), 3), np.nan)
@@ -64,7 +73,7 @@ def solve_shapes(
         (sample,) = follow_line(problem, line, solver)
         signed[k] = line.bend(curvature).curvature
         if "state" in sample:
-            displacement[k] = display.place(sample["state"], line.bend(curvature)).y - rest
+            displacement[k] = display.place(sample["state"], line.bend(curvature)) - rest
             stretch[k] = sample["stretch"]
             force[k] = _contact_force(problem, line.bend(curvature), sample["state"], len(rest))
     torus = problem.mesh
@@ -75,7 +84,7 @@ def solve_shapes(
         "stretch": stretch,
         "points": rest,
         "displacement": displacement,
-        "triangles": triangles,
+        "triangles": display.triangles,
         "triangle_scale": torus.triangle_scale,
         "tets": torus.tets,
         "tet_scale": torus.tet_scale,
@@ -90,6 +99,7 @@ def solve_shapes(
         "solver": solver.to_config(),
         "contact": contact.to_config(),
         "substrate": substrate.to_config(),
+        "scales": scales.to_config(),
         "bends": [list(bend) for bend in bends],
     }
     return build_dataset("shape", arrays, scalars=pattern_scalars(pattern, mesh), config=config)
@@ -99,6 +109,7 @@ def _contact_force(problem: CellProblem, bend: Bend, z: FloatArray, n_points: in
     """(n_points,) N; the scale vertices come first among the points."""
     force = np.zeros(n_points)
     if problem.contact is not None:
-        found = problem.contact.vertex_forces(problem.embedding.world_map.place(z, bend).y)
-        force[: len(found)] = found
+        y = problem.embedding.world_map.place(z, bend).y
+        n = problem.mesh.n_scale_vertices
+        force[:n] = problem.contact.vertex_forces(y, n)
     return force

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from flexscale.embedding.bodies import Body
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
 from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.labels import pattern_scalars
@@ -23,6 +24,7 @@ from flexscale.homogenize.symmetry import (
 )
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
@@ -80,6 +82,7 @@ def sweep(
     solver: SolverOptions | None = None,
     contact: ContactOptions | None = None,
     substrate: SubstrateOptions | None = None,
+    scales: ScaleOptions | None = None,
     symmetry: bool = True,
     workers: int | None = None,
     checkpoint: Checkpoint | None = None,
@@ -93,8 +96,8 @@ def sweep(
     directions : degree in [0, 180), measured from the x axis of the pattern's coordinates.
     curvatures : mm-1, non-negative and increasing.
     sides : of "closing", "opening".
-    mesh, solver, contact, substrate : element sizes, solver, contact and substrate options; the
-        defaults if not given.
+    mesh, solver, contact, substrate, scales : element sizes, solver, contact, substrate and scale
+        options; the defaults if not given.
     symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
         sample in another as a check; False solves all.
     workers : processes, each with one thread; as many as there are cores if not given.
@@ -122,8 +125,14 @@ def sweep(
     if check is not None:
         lines.append(check)
     contact, substrate = contact or ContactOptions(), substrate or SubstrateOptions()
+    scales = scales or ScaleOptions()
     problem = CellProblem.from_pattern(
-        pattern, mesh, contact=contact, substrate=substrate, linear_solver=solver.linear_solver
+        pattern,
+        mesh,
+        contact=contact,
+        substrate=substrate,
+        scales=scales,
+        linear_solver=solver.linear_solver,
     )
     workers = min(workers or os.cpu_count() or 1, len(lines))
     if workers > 1:
@@ -137,6 +146,7 @@ def sweep(
         "solver": solver.to_config(),
         "contact": contact.to_config(),
         "substrate": substrate.to_config(),
+        "scales": scales.to_config(),
         "symmetry": symmetry,
     }
     axes = (sides, directions, kappa)
@@ -218,9 +228,9 @@ def _in_turn(
 _worker_problem: CellProblem | None = None
 
 
-def _start_worker(mesh: PeriodicMesh, model: CellModel) -> None:
+def _start_worker(mesh: PeriodicMesh, model: CellModel, bodies: tuple[Body, ...]) -> None:
     global _worker_problem
-    _worker_problem = CellProblem(mesh, model)
+    _worker_problem = CellProblem(mesh, model, bodies)
 
 
 def _work_line(
@@ -242,7 +252,7 @@ def _in_processes(
 ) -> Iterator[tuple[Line, dict[str, Any]]]:
     from loky import ProcessPoolExecutor  # needs no __main__ guard in the user's script
 
-    arguments = (problem.mesh, problem.model)
+    arguments = (problem.mesh, problem.model, problem.bodies)
     pool = ProcessPoolExecutor(
         workers, initializer=_start_worker, initargs=arguments, env=SINGLE_THREAD
     )

@@ -11,6 +11,7 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
@@ -97,6 +98,7 @@ def tangent_stiffness(
     *,
     mesh: MeshOptions | None = None,
     substrate: SubstrateOptions | None = None,
+    scales: ScaleOptions | None = None,
     linear_solver: str = "auto",
 ) -> TangentStiffness:
     """Bending stiffness tensor of a pattern at rest, in seconds.
@@ -106,6 +108,7 @@ def tangent_stiffness(
     pattern : the scale pattern.
     mesh : element sizes; the default mesh if not given.
     substrate : elements of the sheet; the default ones if not given.
+    scales : how scales are modeled; the default if not given.
     linear_solver : "auto", "pardiso" or "superlu".
 
     Examples
@@ -117,6 +120,11 @@ def tangent_stiffness(
     """
     contact = ContactOptions(enabled=False)
     problem = CellProblem.from_pattern(
-        pattern, mesh, contact=contact, substrate=substrate, linear_solver=linear_solver
+        pattern,
+        mesh,
+        contact=contact,
+        substrate=substrate,
+        scales=scales,
+        linear_solver=linear_solver,
     )
     return solve_tangent(problem)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 from flexscale.datasets.identity import Recipe
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
@@ -55,24 +56,18 @@ class CellParameters(Parameters):
 
 
 class NativeParameters(Parameters):
-    """Also substrate options: parameters of what the native model computes.
-
-    Without substrate options, or with the default ones, the recipe is the one it was before they
-    could be chosen: nothing is computed anew for a choice that changes nothing.
-    """
+    """Also substrate and scale options: parameters of what the native model computes."""
 
     substrate: dict[str, Any] = SubstrateOptions().to_config()
+    scales: dict[str, Any] = ScaleOptions().to_config()
 
     def build_substrate_options(self) -> SubstrateOptions:
         """The substrate options the parameters describe."""
         return SubstrateOptions(**self.substrate)
 
-    def identity(self) -> dict[str, Any]:
-        """See `Parameters.identity`."""
-        chosen = super().identity()
-        if self.build_substrate_options() == SubstrateOptions():
-            del chosen["substrate"]
-        return chosen
+    def build_scale_options(self) -> ScaleOptions:
+        """The scale options the parameters describe."""
+        return ScaleOptions(**self.scales)
 
 
 class TangentParameters(NativeParameters):
@@ -157,9 +152,9 @@ STEPS: dict[str, Step] = {
     step.name: step
     for step in (
         Step("cell", 1, CellParameters),
-        Step("tangent", 1, TangentParameters, inputs=("cell",)),
-        Step("sweep", 1, SweepParameters, inputs=("cell",), parallel=True),
-        Step("shape", 1, ShapeParameters, inputs=("cell",)),
+        Step("tangent", 2, TangentParameters, inputs=("cell",)),
+        Step("sweep", 2, SweepParameters, inputs=("cell",), parallel=True),
+        Step("shape", 2, ShapeParameters, inputs=("cell",)),
         Step("fit", 1, FitParameters, inputs=("sweep",)),
     )
 }

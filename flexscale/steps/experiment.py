@@ -15,6 +15,7 @@ from flexscale.errors import BadInputError, ConfigError, UnitRangeError
 from flexscale.macro.samples import require_axes
 from flexscale.macro.uniaxial import Weighting
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
@@ -26,7 +27,7 @@ from flexscale.steps.blocks import (
     PatternBlock,
     Side,
 )
-from flexscale.steps.option_blocks import Contact, Mesh, Solver, Substrate
+from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
 from flexscale.steps.quantities import declared, series
 
 Directions = Annotated[tuple[Direction, ...], series("degree")]
@@ -117,6 +118,7 @@ class Experiment(Block):
     mesh: Mesh = declared(MeshOptions(), "mesh sizes")
     contact: Contact = declared(ContactOptions(), "how scales touch")
     substrate: Substrate = declared(SubstrateOptions(), "elements of the substrate")
+    scales: Scales = declared(ScaleOptions(), "how scales are modeled")
     solver: Solver = declared(SolverOptions(), "how equilibria are sought")
     tangent: TangentBlock | None = declared(None, "stiffness of the flat sheet; {} for defaults")
     sweep: SweepBlock | None = declared(None, "bending sweep")

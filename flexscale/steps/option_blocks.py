@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from flexscale.errors import suggest
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.solve.newton import SolverOptions
@@ -82,6 +83,9 @@ Contact = Annotated[
 ]
 Solver = Annotated[
     SolverOptions, BeforeValidator(lambda value: _read(SolverOptions, value)), _as_config
+]
+Scales = Annotated[
+    ScaleOptions, BeforeValidator(lambda value: _read(ScaleOptions, value)), _as_config
 ]
 Substrate = Annotated[
     SubstrateOptions, BeforeValidator(lambda value: _read(SubstrateOptions, value)), _as_config

@@ -119,14 +119,17 @@ def _wanted_steps(
     experiment: Experiment, pattern: Pattern
 ) -> dict[str, tuple[dict[str, object], int]]:
     """Step name -> parameters besides pattern and mesh, and the number of samples."""
-    sheet: dict[str, object] = {"substrate": experiment.substrate.to_config()}
-    options: dict[str, object] = sheet | {
+    native: dict[str, object] = {
+        "substrate": experiment.substrate.to_config(),
+        "scales": experiment.scales.to_config(),
+    }
+    options: dict[str, object] = native | {
         "contact": experiment.contact.to_config(),
         "solver": experiment.solver.to_config(),
     }
     wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
     if experiment.tangent is not None:
-        wanted["tangent"] = (experiment.tangent.model_dump() | sheet, 1)
+        wanted["tangent"] = (experiment.tangent.model_dump() | native, 1)
     if experiment.sweep is not None:
         block = experiment.sweep
         sources = find_sources(pattern, block.directions, block.symmetry)

@@ -26,4 +26,5 @@ def compute(
         solver=SolverOptions(**parameters.solver),
         contact=ContactOptions(**parameters.contact),
         substrate=parameters.build_substrate_options(),
+        scales=parameters.build_scale_options(),
     )

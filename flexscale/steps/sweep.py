@@ -27,6 +27,7 @@ def compute(
         solver=SolverOptions(**parameters.solver),
         contact=ContactOptions(**parameters.contact),
         substrate=parameters.build_substrate_options(),
+        scales=parameters.build_scale_options(),
         symmetry=parameters.symmetry,
         workers=resources.workers,
         checkpoint=resources.checkpoint,

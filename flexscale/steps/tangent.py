@@ -21,7 +21,8 @@ def compute(
     """Dataset of kind tangent/1."""
     pattern, options = parameters.build_pattern(), parameters.build_mesh_options()
     substrate = parameters.build_substrate_options()
-    tangent = tangent_stiffness(pattern, mesh=options, substrate=substrate)
+    scales = parameters.build_scale_options()
+    tangent = tangent_stiffness(pattern, mesh=options, substrate=substrate, scales=scales)
     return build_tangent_dataset(
         tangent.matrix,
         parameters.directions,

@@ -29,6 +29,7 @@ from flexscale.patterns import NeoHookean
 from flexscale.solve.linear import build_factorization
 
 _AT_ONCE = 64  # loads that are solved for together
+_CONGRUENT = 1e-9  # of a scale's size: copies may differ by rounding
 _SAME = 1e-5  # eigenvalues closer than this are a pair that symmetry makes: both or none are kept
 
 
@@ -67,10 +68,30 @@ def build_bodies(
     assert isinstance(nodes, PointNodes)
     loads = _loads(embedding, nodes, support)
     shares = embedding.vertex_shares()
+    known: list[_Modes] = []
     return [
-        _build_body(embedding, nodes, material, loads, shares, scale, cutoff)
+        _build_body(embedding, nodes, material, loads, shares, scale, cutoff, known)
         for scale in range(embedding.mesh.n_scales)
     ]
+
+
+@dataclass(frozen=True)
+class _Modes:
+    """Modes of a scale: vertices' places (n, 3) from the anchor, loads, modes (n, 3, k)."""
+
+    places: FloatArray
+    n_loads: int
+    modes: FloatArray
+
+    def turned_to(self, places: FloatArray, n_loads: int) -> FloatArray | None:
+        """(3 n, k) modes of a congruent scale with the same numbering; None if it is none."""
+        if places.shape != self.places.shape or n_loads != self.n_loads:
+            return None
+        turn = np.eye(3)
+        turn[:2, :2] = np.linalg.lstsq(self.places[:, :2], places[:, :2], rcond=None)[0]
+        if np.abs(self.places @ turn - places).max() > _CONGRUENT * np.abs(places).max():
+            return None
+        return np.asarray(np.einsum("nck,cd->ndk", self.modes, turn)).reshape(places.size, -1)
 
 
 def _build_body(
@@ -81,7 +102,9 @@ def _build_body(
     shares: FloatArray,
     scale: int,
     cutoff: float,
+    known: list[_Modes],
 ) -> Body:
+    """One scale; congruent scales share their modes, and a new kind is added to `known`."""
     mesh = embedding.mesh
     vertices = np.unique(mesh.tets[mesh.tet_scale == scale])
     stiffness = _stiffness(mesh, scale, vertices, material)
@@ -93,7 +116,12 @@ def _build_body(
     anchor = weight @ mesh.positions[carried]
     places = mesh.scale_positions[vertices].copy()
     places[:, :2] -= anchor
-    modes = _modes(stiffness, own.toarray(), places, cutoff)
+    n_loads = own.shape[1]
+    copies = (kind.turned_to(places, n_loads) for kind in known)
+    modes = next((found for found in copies if found is not None), None)
+    if modes is None:
+        modes = _modes(stiffness, own.toarray(), places, cutoff)
+        known.append(_Modes(places, n_loads, modes.reshape(*places.shape, -1)))
     fields = np.concatenate([_strain_fields(places), modes], axis=1)
     n = modes.shape[1]
     shapes = modes.reshape(len(vertices), 3, n)
@@ -183,14 +211,24 @@ def _loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -
     )
     parts = [_columns(nodes.weights[nodes.value_of[valued]], axis * np.eye(3)[k])
              for k, axis in enumerate(forces.T[:, :, None])]  # fmt: skip
+    bond, normal, length = _merged(bond, normal, length)
     couples = np.sqrt(support.turning * length)
     turn = sp.diags_array(couples * normal[:, 0]) @ nodes.weights[nodes.gradient_of[bond, 0]]
     turn = turn + sp.diags_array(couples * normal[:, 1]) @ nodes.weights[nodes.gradient_of[bond, 1]]
     parts.append(_columns(turn, np.tile([0.0, 0.0, 1.0], (len(bond), 1))))
-    touched, outward, span = nodes.wall_normals()
+    touched, outward, span = _merged(*nodes.wall_normals())
     presses = np.sqrt(support.touching * span)[:, None] * outward
     parts.append(_columns(nodes.weights[touched], presses))
     return sp.csr_array(sp.hstack(parts))
+
+
+def _merged(
+    places: IntArray, normals: FloatArray, lengths: FloatArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """One entry for all with the same place and normal, with the sum of their lengths."""
+    keys = np.concatenate([places[:, None], np.round(normals * 1e6)], axis=1)
+    _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return places[first], normals[first], np.bincount(number.ravel(), lengths).astype(float)
 
 
 def _columns(weights: sp.csr_array, directions: FloatArray) -> sp.csr_array:

@@ -32,7 +32,7 @@ def look(family: str) -> dict[str, str]:
     problem = CellProblem.from_pattern(fs.Pattern(fs.Tiling(family)))
     contact = problem.contact
     surface = contact.surface
-    samples, crossing, elements_crossing = [], 0, 0
+    samples, crossing = [], 0
     for side in ("closing", "opening"):
         for direction in DIRECTIONS:
             line = Line(side, float(direction), CURVATURES)
@@ -44,7 +44,6 @@ def look(family: str) -> dict[str, str]:
                 y = problem.embedding.world_map.place(sample["state"], bend).y
                 mesh = (surface.triangles, surface.bodies)
                 crossing += surfaces_intersect(contact.positions(y), *mesh)
-                elements_crossing += surfaces_intersect(contact.element_positions(y), *mesh)
     done = [sample for sample in samples if sample["status"] == 0]
     touching = [sample for sample in done if sample["contact_pairs"]]
     before = [s["newton_iterations"] for s in done if not s["contact_pairs"] and s["curvature"]]
@@ -57,7 +56,6 @@ def look(family: str) -> dict[str, str]:
         "with negative eigenvalues": str(sum(s["negative_eigenvalues"] > 0 for s in done)),
         "saddles left on the way": str(sum(s["saddles_left"] for s in done)),
         "cut through one another": str(crossing),
-        "finite elements overlap within the contact edge": str(elements_crossing),
         "smallest distance, d_hat": f"{share:.2f}",
         "largest barrier stiffness, of the first": (
             f"{max(s['barrier_stiffness'] for s in done) / problem.barrier_stiffness:g}"

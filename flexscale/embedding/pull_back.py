@@ -168,21 +168,35 @@ class PullBack:
         blocks = sp.csr_array((ones, self._pairs.T), shape=(m.n_rows, m.n_rows))
         blocks = blocks + blocks.T
         product = jacobian.T @ (blocks @ jacobian)
+        # Images that contact alone uses: their second derivatives couple home and S.
+        own = self._image_columns()
+        kept = own >= 0
+        images = sp.csr_array(
+            (np.ones(int(kept.sum()), dtype=np.float32), (np.nonzero(kept)[0], own[kept])),
+            shape=(len(own), self.n_active),
+        )
+        product = product + images.T @ images
         upper = sp.csr_array(sp.triu(product + sp.eye_array(self.n_active, dtype=np.float32)))
         upper.sort_indices()
         return upper.indptr.astype(np.int64), upper.indices.astype(np.int64)
+
+    def _image_columns(self) -> IntArray:
+        """(n_images, 6) positions of home and S, -1 for what is no unknown or does not matter."""
+        m, images = self.world_map, self.world_map.images
+        columns = np.empty((len(images.kinds), 6), dtype=np.int64)
+        shifted = np.any(images.shifts != 0.0, axis=1)
+        for c in range(3):
+            columns[:, c] = self._position[images.nodes + c]
+            stretch = self._position[m.n_unknowns - 3 + c]
+            columns[:, 3 + c] = np.where(shifted, stretch, -1)
+        return columns
 
     def _find_slots(self) -> tuple[SlotArray, SlotArray, SlotArray]:
         """Slots of pairs, images and slides; the one past the end takes what is not kept."""
         m, position = self.world_map, self._position
         self._pair_indptr, pair_slots = self._pair_slots(self._pairs)
-        images = m.images
-        local = np.empty((len(images.kinds), 6), dtype=np.int64)
-        shifted = np.any(images.shifts != 0.0, axis=1)
-        for c in range(3):
-            local[:, c] = position[images.nodes + c]
-            local[:, 3 + c] = np.where(shifted, position[m.n_unknowns - 3 + c], -1)
-        image_slots = np.empty((len(images.kinds), 6, 6), dtype=np.int32)
+        local = self._image_columns()
+        image_slots = np.empty((len(local), 6, 6), dtype=np.int32)
         kernels.find_image_slots(local, self.indptr, self.indices, image_slots)
         slide_columns = np.where(m.slide >= 0, position[m.slide], -1)
         slide_slots = np.full((len(self._columns), 2), len(self.indices), dtype=np.int32)

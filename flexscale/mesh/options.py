@@ -33,18 +33,18 @@ class MeshOptions:
     scale_order : 1 linear tets (the paper's; they lock in bending), 2 quadratic.
     """
 
-    across: int = 2
+    across: int = 4
     along: float = 0.8
-    corner: float = 0.25
-    growth: float = 1.6
-    across_grading: float = 1.0
+    corner: float = 0.125
+    growth: float = 2.0
+    across_grading: float = 1.6
     scale_size: float = 3.4
     scale_corner: float = 0.9
-    scale_rim: float = 0.45
-    scale_strips: int = 1
-    scale_growth: float = 3.0
-    scale_layers: int = 3
-    layer_growth: float = 3.0
+    scale_rim: float = 0.2
+    scale_strips: int = 3
+    scale_growth: float = 2.0
+    scale_layers: int = 5
+    layer_growth: float = 1.8
     scale_order: int = 2
 
     def __post_init__(self) -> None:

@@ -8,6 +8,7 @@ import pytest
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
@@ -85,11 +86,13 @@ def test_small_curvature_is_solved_as_accurately():
 def test_moment_is_the_derivative_of_the_energy_curve():
     """Envelope theorem: M = dE/dkappa along equilibria, without differentiating the state."""
     problem, kappa = square_problem(), 0.01
+    (sample,) = follow_line(problem, Line("closing", 30.0, (kappa,)), SolverOptions())
+    start = sample["state"]
 
     def energy(h):
-        return solve(problem, kappa + h, 30.0)[1].evaluation.energy / problem.area
+        return solve(problem, kappa + h, 30.0, start=start)[1].evaluation.energy / problem.area
 
-    cell, solution = solve(problem, kappa, 30.0)
+    cell, solution = solve(problem, kappa, 30.0, start=start)
     slope = directional_difference(energy, 2e-4)
     assert cell.moment(solution.evaluation) == pytest.approx(slope, rel=1e-6)
 

@@ -56,7 +56,9 @@ def test_naming_the_default_changes_no_identity():
     assert steps_of(CONTENT | {"substrate": {"element": "c1"}}) == steps_of(CONTENT)
     pattern = fs.Pattern(fs.Tiling("IH76")).to_config()
     parameters = TangentParameters(pattern=pattern, mesh=COARSE.to_config(), directions=(0.0,))
-    assert "substrate" not in STEPS["tangent"].recipe(parameters).parameters
+    recipe = STEPS["tangent"].recipe(parameters).parameters
+    assert recipe["substrate"] == fs.SubstrateOptions().to_config()
+    assert recipe["scales"] == fs.ScaleOptions().to_config()
     assert parameters.model_dump()["substrate"] == fs.SubstrateOptions().to_config()
 
 

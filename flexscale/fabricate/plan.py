@@ -1,0 +1,206 @@
+"""Plan of a sheet: the simulated outlines laid out, cut at the border, and their grooves.
+
+All walls of the printed scales are vertical, so cutting a scale at the border is cutting its
+outline. That is done exactly up to a grid of 2⁻¹³ mm (0.1 µm), on which all corners of a plan lie.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from flexscale.errors import FabricationError
+from flexscale.fabricate.grooves import groove_rings
+from flexscale.fabricate.options import Grooves, Printer, check_printable
+from flexscale.fabricate.shapes import Shape
+from flexscale.fabricate.walls import GRID, is_printable, smallest_wall, without_thin_parts
+from flexscale.patterns import Pattern
+from flexscale.units import require_finite
+
+FloatArray = NDArray[np.float64]
+Border = Literal["cut", "whole"]
+
+SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the pattern lies on the sheet, and what happens at the border.
+
+    Attributes
+    ----------
+    direction : degree, direction of the pattern that lies along x, the length of a rectangle.
+    center : (2,) mm, point of the pattern that lies in the middle of the sheet.
+    border : "cut" scales at the border, or keep only those that are "whole".
+    smallest_area : mm², cut pieces below this are left out; 5 % of a tile if not given.
+    """
+
+    direction: float = 0.0
+    center: tuple[float, float] = (0.0, 0.0)
+    border: Border = "cut"
+    smallest_area: float | None = None
+
+    def __post_init__(self) -> None:
+        require_finite(self.direction, "direction", "degree")
+        for value in self.center:
+            require_finite(value, "center", "mm")
+        if self.smallest_area is not None:
+            area = require_finite(self.smallest_area, "smallest area", "mm²")
+            if area < 0.0:
+                raise FabricationError(f"The smallest area is {area:g} mm²: give 0 or more.")
+        if self.border not in ("cut", "whole"):
+            raise FabricationError(f"The border is {self.border!r}: choose 'cut' or 'whole'.")
+
+    def place(self, points: FloatArray) -> FloatArray:
+        """Points (n, 2) of the pattern in coordinates of the sheet, mm."""
+        turn = np.deg2rad(self.direction)
+        cosine, sine = np.cos(turn), np.sin(turn)
+        return np.asarray((points - np.array(self.center)) @ [[cosine, -sine], [sine, cosine]])
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedScale:
+    """One scale, or a piece of one.
+
+    Attributes
+    ----------
+    outline : of base and top, mm.
+    grooves : under its base.
+    tile : which tile of the pattern's cell it stands on.
+    whole : whether its outline is the simulated one.
+    """
+
+    outline: shapely.Polygon
+    grooves: tuple[shapely.Polygon, ...]
+    tile: int
+    whole: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """All that is printed, seen from above, in mm, the middle of the sheet at the origin.
+
+    Attributes
+    ----------
+    sheet : outline of the substrate.
+    scales : whole ones and pieces.
+    n_removed : pieces left out because they were too small or too thin.
+    n_left_out : scales left out because they crossed the border.
+    """
+
+    sheet: shapely.Polygon
+    scales: tuple[PlannedScale, ...]
+    n_removed: int
+    n_left_out: int
+
+    @property
+    def n_whole(self) -> int:
+        """Number of whole scales."""
+        return sum(scale.whole for scale in self.scales)
+
+    def smallest_wall(self) -> float:
+        """Of all scales, mm."""
+        wholes = {scale.tile: scale.outline for scale in self.scales if scale.whole}
+        pieces = [scale.outline for scale in self.scales if not scale.whole]
+        return smallest_wall([*wholes.values(), *pieces])
+
+
+def build_plan(
+    pattern: Pattern, shape: Shape, layout: Layout, grooves: Grooves, printer: Printer
+) -> Plan:
+    """Lay the pattern out on a shape.
+
+    Raises
+    ------
+    FabricationError : the printer cannot make the pattern, or no scale lies wholly in the shape.
+    """
+    check_printable(pattern, grooves, printer)
+    shape.check(printer)
+    _check_scales(pattern, printer)
+    region = shape.scaled_region()
+    least = SLIVER * pattern.tile_area if layout.smallest_area is None else layout.smallest_area
+    scales: list[PlannedScale] = []
+    n_removed = n_left_out = 0
+    shapely.prepare(region)
+    for tile, outline, whole in _copies(pattern, layout, region):
+        if whole:
+            scales.append(_planned(outline, tile, grooves, whole=True))
+        elif layout.border == "whole":
+            n_left_out += 1
+        else:
+            cut = shapely.intersection(outline, region, grid_size=GRID)
+            for part in shapely.get_parts(cut):
+                kept = without_thin_parts(part, printer.wall) if part.area >= least else None
+                if kept is None or kept.area < least:
+                    n_removed += 1
+                else:
+                    scales.append(_planned(kept, tile, grooves, whole=False))
+    plan = Plan(shape.sheet_region(pattern.gap), tuple(scales), n_removed, n_left_out)
+    if plan.n_whole == 0:
+        raise _no_whole_scale(pattern, shape, layout)
+    return plan
+
+
+def _planned(outline: shapely.Polygon, tile: int, grooves: Grooves, whole: bool) -> PlannedScale:
+    return PlannedScale(outline, tuple(groove_rings(outline, grooves)), tile, whole)
+
+
+def _check_scales(pattern: Pattern, printer: Printer) -> None:
+    for number, prototile in enumerate(pattern.prototiles):
+        outline = shapely.Polygon(prototile.outline)
+        if not is_printable(outline, printer.wall):
+            raise FabricationError(
+                f"Scale {number} of pattern {pattern.name!r} has a wall or a needle of "
+                f"{smallest_wall([outline]):.3g} mm, below the smallest wall of {printer.wall:g} "
+                f"mm: give a larger tile area than {pattern.tile_area:g} mm², a narrower gap than "
+                f"{pattern.gap:g} mm, or a rounder tile."
+            )
+
+
+def _copies(
+    pattern: Pattern, layout: Layout, region: shapely.Polygon
+) -> list[tuple[int, shapely.Polygon, bool]]:
+    """Tile, outline, and whether it lies wholly inside, of all scales that meet the region."""
+    lattice = layout.place(pattern.lattice) - layout.place(np.zeros((1, 2)))
+    low, high = np.reshape(region.bounds, (2, 2))
+    found = []
+    for tile, outline in enumerate(pattern.outlines()):
+        home = layout.place(outline)
+        shifts = _shifts(home, lattice, low, high)
+        polygons = shapely.set_precision(shapely.polygons(home[None] + shifts[:, None]), GRID)
+        touched = shapely.relate_pattern(polygons, region, "T********")
+        inside = shapely.covered_by(polygons, region)
+        found += [
+            (tile, polygon, bool(whole))
+            for polygon, whole in zip(polygons[touched], inside[touched], strict=True)
+        ]
+    return found
+
+
+def _shifts(
+    points: FloatArray, lattice: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """Lattice vectors (n, 2) that carry a box around points into reach of the box low to high."""
+    least, most = low - points.max(axis=0), high - points.min(axis=0)
+    corners = np.array([(x, y) for x in (least[0], most[0]) for y in (least[1], most[1])])
+    steps = corners @ np.linalg.inv(lattice)
+    first = np.floor(steps.min(axis=0)).astype(int)
+    last = np.ceil(steps.max(axis=0)).astype(int)
+    grid = np.mgrid[first[0] : last[0] + 1, first[1] : last[1] + 1].reshape(2, -1).T
+    shifts = grid @ lattice
+    return np.asarray(shifts[np.all((shifts >= least) & (shifts <= most), axis=1)])
+
+
+def _no_whole_scale(pattern: Pattern, shape: Shape, layout: Layout) -> FabricationError:
+    sizes = [np.ptp(layout.place(outline), axis=0) for outline in pattern.outlines()]
+    width, height = min(sizes, key=lambda size: float(size.prod()))
+    low, high = np.reshape(shape.scaled_region().bounds, (2, 2))
+    return FabricationError(
+        f"The {shape.name} mm holds no whole scale of pattern {pattern.name!r}: the sheet measures "
+        f"{high[0] - low[0]:g} x {high[1] - low[1]:g} mm, a scale {width:.3g} x {height:.3g} mm. "
+        "Give a larger sheet, or another point of the pattern as its center."
+    )

@@ -7,6 +7,7 @@ outline. That is done exactly up to a grid of 2⁻¹³ mm (0.1 µm), on which al
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -102,6 +103,7 @@ class Plan:
         """Number of whole scales."""
         return sum(scale.whole for scale in self.scales)
 
+    @cached_property
     def smallest_wall(self) -> float:
         """Of all scales, mm."""
         wholes = {scale.tile: scale.outline for scale in self.scales if scale.whole}

@@ -152,7 +152,7 @@ def sheet_figures(sheet: PrintableSheet) -> dict[str, Any]:
         "gap_mm": pattern.gap,
         "scale_height_mm": pattern.scale_height,
         "substrate_thickness_mm": pattern.substrate_thickness,
-        "smallest_wall_of_scales_mm": plan.smallest_wall(),
+        "smallest_wall_of_scales_mm": plan.smallest_wall,
         "triangles": {solid.name: len(solid.faces) for solid in sheet.solids},
         **_fixture(sheet),
     }

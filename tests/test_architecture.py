@@ -39,7 +39,7 @@ LIBRARY_HOMES: dict[str, set[str]] = {
     "snakemake": set(),
     "pypardiso": {"solve"},
     "ipctk": {"mechanics"},
-    "manifold3d": {"fabricate/solids.py"},
+    "manifold3d": {"fabricate/solids.py", "fabricate/walls.py"},
     "pydantic": {"steps"},
     "typer": {"cli"},
     "rich": {"cli"},

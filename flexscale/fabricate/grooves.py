@@ -5,9 +5,9 @@ from __future__ import annotations
 import shapely
 
 from flexscale.fabricate.options import Grooves
-from flexscale.fabricate.walls import inset, on_grid, opened, polygonal
+from flexscale.fabricate.walls import GRID, inset, on_grid, opened, polygonal
 
-_PARALLEL = 1.0 + 1e-4  # walls are drawn this much wider, so that rounding makes none too narrow
+_WIDER = 4.0 * GRID  # added to every width, so that rounding to the grid makes none too narrow
 
 
 def groove_rings(base: shapely.Polygon, grooves: Grooves) -> list[shapely.Polygon]:
@@ -25,9 +25,9 @@ def groove_rings(base: shapely.Polygon, grooves: Grooves) -> list[shapely.Polygo
     """
     if grooves.depth == 0.0:
         return []
-    width, spacing = grooves.width * _PARALLEL, grooves.spacing * _PARALLEL
+    width, spacing = grooves.width + _WIDER, grooves.spacing + _WIDER
     rings: list[shapely.Polygon] = []
-    outside = opened(inset(base, grooves.first * _PARALLEL), width)
+    outside = opened(inset(base, grooves.first + _WIDER), width)
     while not outside.is_empty:
         inside = opened(inset(outside, width), spacing)
         found = on_grid(shapely.difference(outside, inside))

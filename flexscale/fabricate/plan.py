@@ -7,7 +7,6 @@ outline. That is done exactly up to a grid of 2⁻¹³ mm (0.1 µm), on which al
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -103,12 +102,11 @@ class Plan:
         """Number of whole scales."""
         return sum(scale.whole for scale in self.scales)
 
-    @cached_property
-    def smallest_wall(self) -> float:
-        """Of all scales, mm."""
+    def smallest_wall(self, start: float) -> float:
+        """Of all scales, mm, sought from `start` mm."""
         wholes = {scale.tile: scale.outline for scale in self.scales if scale.whole}
         pieces = [scale.outline for scale in self.scales if not scale.whole]
-        return smallest_wall([*wholes.values(), *pieces])
+        return smallest_wall([*wholes.values(), *pieces], start)
 
 
 def build_plan(
@@ -155,11 +153,12 @@ def _check_scales(pattern: Pattern, printer: Printer) -> None:
     for number, prototile in enumerate(pattern.prototiles):
         outline = shapely.Polygon(prototile.outline)
         if not is_printable(outline, printer.wall):
+            thinnest = smallest_wall([outline], printer.wall)
             raise FabricationError(
                 f"Scale {number} of pattern {pattern.name!r} has a wall or a needle of "
-                f"{smallest_wall([outline]):.3g} mm, below the smallest wall of {printer.wall:g} "
-                f"mm: give a larger tile area than {pattern.tile_area:g} mm², a narrower gap than "
-                f"{pattern.gap:g} mm, or a rounder tile."
+                f"{thinnest:.3g} mm, below the smallest wall of {printer.wall:g} mm: give a larger "
+                f"tile area than {pattern.tile_area:g} mm², a gap below {pattern.gap:g} mm, or a "
+                "rounder tile."
             )
 
 

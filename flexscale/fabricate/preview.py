@@ -11,7 +11,7 @@ from flexscale.fabricate.plan import PlannedScale
 from flexscale.fabricate.shapes import Disc, Rectangle
 from flexscale.fabricate.sheet import PrintableSheet, sheet_figures
 from flexscale.fabricate.solids import prism, section, solid_of
-from flexscale.fabricate.walls import GRID
+from flexscale.fabricate.walls import GRID, rings_of
 from flexscale.plotting.printable import PrintableBody, PrintablePicture
 from flexscale.plotting.style import SCALE_COLOR, SUBSTRATE_COLOR
 
@@ -30,11 +30,11 @@ def sheet_picture(sheet: PrintableSheet, remark: str) -> PrintablePicture:
     return PrintablePicture(
         headings=_headings(sheet),
         remarks=(remark,),
-        sheet=rings_of(plan.sheet),
-        bars=[rings_of(bar)[0] for bar in bars],
-        whole=[rings_of(scale.outline) for scale in plan.scales if scale.whole],
-        cut=[rings_of(scale.outline) for scale in plan.scales if not scale.whole],
-        grooves=[rings_of(groove) for groove in grooves],
+        sheet=_turned(plan.sheet),
+        bars=[_turned(bar)[0] for bar in bars],
+        whole=[_turned(scale.outline) for scale in plan.scales if scale.whole],
+        cut=[_turned(scale.outline) for scale in plan.scales if not scale.whole],
+        grooves=[_turned(groove) for groove in grooves],
         bodies=_visible(sheet),
         section_y=y,
         section=(section(sheet.substrate, y), section(sheet.scales, y)),
@@ -42,10 +42,9 @@ def sheet_picture(sheet: PrintableSheet, remark: str) -> PrintablePicture:
     )
 
 
-def rings_of(area: shapely.Polygon) -> list[FloatArray]:
+def _turned(area: shapely.Polygon) -> list[FloatArray]:
     """Outlines (n_i, 2) of a polygon, mm: the outer one turns left, holes turn right."""
-    turned = shapely.orient_polygons(area)
-    return [np.array(ring.coords)[:-1] for ring in (turned.exterior, *turned.interiors)]
+    return rings_of(shapely.orient_polygons(area))
 
 
 def _headings(sheet: PrintableSheet) -> tuple[str, str]:

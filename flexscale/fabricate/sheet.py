@@ -57,6 +57,11 @@ class PrintableSheet:
             "grooves": float(sum(groove.area for groove in grooves)),
         }
 
+    @cached_property
+    def smallest_wall(self) -> float:
+        """Of all scales, mm."""
+        return self.plan.smallest_wall(self.printer.wall)
+
     def expected_volumes(self) -> dict[str, float]:
         """What the solids must measure, mm³: areas times heights, by solid."""
         in_grooves = self.areas["grooves"] * self.grooves.depth
@@ -152,7 +157,7 @@ def sheet_figures(sheet: PrintableSheet) -> dict[str, Any]:
         "gap_mm": pattern.gap,
         "scale_height_mm": pattern.scale_height,
         "substrate_thickness_mm": pattern.substrate_thickness,
-        "smallest_wall_of_scales_mm": plan.smallest_wall,
+        "smallest_wall_of_scales_mm": sheet.smallest_wall,
         "triangles": {solid.name: len(solid.faces) for solid in sheet.solids},
         **_fixture(sheet),
     }

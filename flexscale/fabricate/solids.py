@@ -1,7 +1,7 @@
 """From a plan to closed surfaces, by exact booleans on solids (manifold3d).
 
-Both solids are made of the same polygons, so their common faces coincide: no gap between the two
-materials and no overlap.
+Both solids are made of the same polygons, so their common faces coincide, to the width of the grid
+on which these lie: no gap between the two materials and no overlap.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from flexscale.errors import FabricationError
-from flexscale.fabricate.walls import GRID
+from flexscale.fabricate.walls import GRID, rings_of
 
 FloatArray = NDArray[np.float64]
 
@@ -51,8 +51,7 @@ class Solid:
 
 def prism(area: shapely.Polygon, bottom: float, top: float) -> m3.Manifold:
     """Solid over an area, between two heights, mm."""
-    rings = [np.array(ring.coords)[:-1] for ring in (area.exterior, *area.interiors)]
-    section = m3.CrossSection(rings, m3.FillRule.EvenOdd)
+    section = m3.CrossSection(rings_of(area), m3.FillRule.EvenOdd)
     body = m3.Manifold.extrude(section, 1.0)
     # Heights are set rather than scaled, so that solids that meet have the very same ones.
     return body.warp_batch(lambda points: _with_heights(points, bottom, top))

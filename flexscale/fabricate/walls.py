@@ -9,51 +9,94 @@ a bead rounds, and sharper ones are needles.
 
 from __future__ import annotations
 
+import manifold3d as m3
 import numpy as np
 import shapely
 
 CORNER = 4.0  # farthest corner from a bead's middle, in halves of the wall: 29°
 GRID = 2.0**-13  # mm: corners lie on this grid, and 32-bit numbers hold them exactly up to 2 m
 _STEP = 0.25  # mm, between points of an outline that are examined
-_BISECTIONS = 40
+_ARC = 128  # corners of a whole circle, where a bead's middle turns around an inner corner
+_WIDER = 1.25  # ratio of the widths that are tried in search of the smallest wall
+_BISECTIONS = 24
 
 
 def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
     """What lies deeper than `distance` (mm) in an area."""
-    return area.buffer(-distance, join_style="mitre", mitre_limit=CORNER)
+    return _offset(area, -distance)
 
 
 def opened(area: shapely.Geometry, wall: float) -> shapely.Geometry:
     """An area without what is thinner than `wall` (mm); corners down to 29° stay."""
-    core = inset(area, 0.5 * wall)
-    grown = core.buffer(0.5 * wall, join_style="mitre", mitre_limit=CORNER)
-    return polygonal(shapely.intersection(area, grown))
+    return polygonal(shapely.intersection(area, _offset(inset(area, 0.5 * wall), 0.5 * wall)))
+
+
+def _offset(
+    area: shapely.Geometry, distance: float, join: m3.JoinType = m3.JoinType.Miter
+) -> shapely.Geometry:
+    """Parallel outlines. Where corners are mitred, they are blunt beyond `CORNER` distances.
+
+    Made by Clipper2. (shapely simplifies an outline by a percent of the distance before, which
+    would make walls that much too thin.)
+    """
+    if area.is_empty:
+        return area
+    section = m3.CrossSection(rings_of(area), m3.FillRule.EvenOdd)
+    moved = section.offset(distance, join, miter_limit=CORNER, circular_segments=_ARC)
+    return areas_within([np.asarray(ring) for ring in moved.to_polygons()])
+
+
+def rings_of(area: shapely.Geometry) -> list[np.ndarray]:
+    """All outlines (n_i, 2) of an area, holes included, mm."""
+    return [
+        np.array(ring.coords)[:-1]
+        for part in shapely.get_parts(area)
+        for ring in (part.exterior, *part.interiors)
+    ]
+
+
+def areas_within(rings: list[np.ndarray]) -> shapely.Geometry:
+    """The area within outlines (n_i, 2) of which some are holes of others."""
+    polygons = [shapely.Polygon(ring) for ring in rings]
+    turns_left = [ring.exterior.is_ccw for ring in polygons]
+    holes = [ring for ring, left in zip(polygons, turns_left, strict=True) if not left]
+    outer = [ring for ring, left in zip(polygons, turns_left, strict=True) if left]
+    if not holes:
+        return shapely.union_all(outer)
+    return polygonal(shapely.difference(shapely.union_all(outer), shapely.union_all(holes)))
 
 
 def is_printable(area: shapely.Polygon, wall: float) -> bool:
     """Whether no wall of a polygon is thinner than `wall`, mm."""
-    core = inset(area, 0.5 * wall * (1.0 - 1e-6))
-    if core.is_empty or core.geom_type != "Polygon":
+    core = _offset(area, -0.5 * wall, m3.JoinType.Round)
+    if core.is_empty or shapely.get_num_geometries(core) != 1:
         return False
     rim = shapely.points(shapely.get_coordinates(shapely.segmentize(area, _STEP)))
     shapely.prepare(core)
     return bool(shapely.distance(rim, core).max() <= 0.5 * CORNER * wall + 4.0 * GRID)
 
 
-def smallest_wall(areas: list[shapely.Polygon]) -> float:
-    """The width, mm, at which the first of some polygons stops being printable; nan without any."""
-    least = np.inf
-    for area in areas:
-        circle = shapely.maximum_inscribed_circle(area, tolerance=1e-3)
-        high = min(least, 2.0 * circle.length)
-        if high == least and is_printable(area, least):
-            continue
-        low = 0.0
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if is_printable(area, middle) else (low, middle)
-        least = low
-    return float(least) if np.isfinite(least) else float("nan")
+def smallest_wall(areas: list[shapely.Polygon], start: float) -> float:
+    """The width, mm, at which the first of some polygons stops being printable; nan without any.
+
+    Parameters
+    ----------
+    start : mm, where the search begins: upward if all can be printed with this wall.
+    """
+    if not areas:
+        return float("nan")
+    low, high = 0.0, start
+    left = [area for area in areas if not is_printable(area, high)]
+    while not left:
+        low, high = high, _WIDER * high
+        left = [area for area in areas if not is_printable(area, high)]
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if all(is_printable(area, middle) for area in left):
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 def without_thin_parts(area: shapely.Polygon, wall: float) -> shapely.Polygon | None:

@@ -12,7 +12,6 @@ from flexscale.errors import ConfigError, UnknownNameError, suggest
 from flexscale.fabricate import Disc, Rectangle
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern, named_pattern, named_patterns
-from flexscale.steps.experiment import load_experiment
 from flexscale.tilings import Tiling
 from flexscale.tilings.families import families, find_family
 
@@ -80,6 +79,8 @@ def requested_pattern(request: SheetRequest) -> tuple[Pattern, MeshOptions]:
 
 
 def _from_file(path: Path, request: SheetRequest) -> tuple[Pattern, MeshOptions]:
+    from flexscale.steps.experiment import load_experiment  # loads most of flexscale
+
     experiment = load_experiment(path)
     names = list(experiment.patterns)
     chosen = request.select

@@ -71,13 +71,19 @@ class PlannedScale:
     outline : of base and top, mm.
     grooves : under its base.
     tile : which tile of the pattern's cell it stands on.
-    whole : whether its outline is the simulated one.
+    shift : (2,) mm, of a whole scale: from the first one on this tile to this one; they are equal
+        to the last bit, as shifts lie on the grid. None of a piece.
     """
 
     outline: shapely.Polygon
     grooves: tuple[shapely.Polygon, ...]
     tile: int
-    whole: bool
+    shift: tuple[float, float] | None
+
+    @property
+    def whole(self) -> bool:
+        """Whether its outline is the simulated one."""
+        return self.shift is not None
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,28 +131,48 @@ def build_plan(
     least = SLIVER * pattern.tile_area if layout.smallest_area is None else layout.smallest_area
     scales: list[PlannedScale] = []
     n_removed = n_left_out = 0
-    shapely.prepare(region)
-    for tile, outline, whole in _copies(pattern, layout, region):
-        if whole:
-            scales.append(_planned(outline, tile, grooves, whole=True))
-        elif layout.border == "whole":
-            n_left_out += 1
-        else:
-            cut = shapely.intersection(outline, region, grid_size=GRID)
+    for tile, outline in enumerate(pattern.outlines()):
+        home = shapely.set_precision(shapely.Polygon(layout.place(outline)), GRID)
+        inside, crossing = _shifts(home, _lattice(pattern, layout), region)
+        scales += _whole_scales(home, tile, inside, grooves)
+        if layout.border == "whole":
+            n_left_out += len(crossing)
+            continue
+        for shift in crossing:
+            cut = shapely.intersection(_moved(home, shift), region, grid_size=GRID)
             for part in shapely.get_parts(cut):
                 kept = without_thin_parts(part, printer.wall) if part.area >= least else None
                 if kept is None or kept.area < least:
                     n_removed += 1
                 else:
-                    scales.append(_planned(kept, tile, grooves, whole=False))
+                    rings = tuple(groove_rings(kept, grooves))
+                    scales.append(PlannedScale(kept, rings, tile, None))
     plan = Plan(shape.sheet_region(pattern.gap), tuple(scales), n_removed, n_left_out)
     if plan.n_whole == 0:
         raise _no_whole_scale(pattern, shape, layout)
     return plan
 
 
-def _planned(outline: shapely.Polygon, tile: int, grooves: Grooves, whole: bool) -> PlannedScale:
-    return PlannedScale(outline, tuple(groove_rings(outline, grooves)), tile, whole)
+def _whole_scales(
+    home: shapely.Polygon, tile: int, shifts: FloatArray, grooves: Grooves
+) -> list[PlannedScale]:
+    """Copies of the scale on one tile."""
+    if not len(shifts):
+        return []
+    rings = groove_rings(home, grooves)
+    return [
+        PlannedScale(
+            _moved(home, shift),
+            tuple(_moved(ring, shift) for ring in rings),
+            tile,
+            (float(shift[0] - shifts[0, 0]), float(shift[1] - shifts[0, 1])),
+        )
+        for shift in shifts
+    ]
+
+
+def _moved(area: shapely.Polygon, shift: FloatArray) -> shapely.Polygon:
+    return shapely.transform(area, lambda points: points + shift)
 
 
 def _check_scales(pattern: Pattern, printer: Printer) -> None:
@@ -162,38 +188,32 @@ def _check_scales(pattern: Pattern, printer: Printer) -> None:
             )
 
 
-def _copies(
-    pattern: Pattern, layout: Layout, region: shapely.Polygon
-) -> list[tuple[int, shapely.Polygon, bool]]:
-    """Tile, outline, and whether it lies wholly inside, of all scales that meet the region."""
-    lattice = layout.place(pattern.lattice) - layout.place(np.zeros((1, 2)))
-    low, high = np.reshape(region.bounds, (2, 2))
-    found = []
-    for tile, outline in enumerate(pattern.outlines()):
-        home = layout.place(outline)
-        shifts = _shifts(home, lattice, low, high)
-        polygons = shapely.set_precision(shapely.polygons(home[None] + shifts[:, None]), GRID)
-        touched = shapely.relate_pattern(polygons, region, "T********")
-        inside = shapely.covered_by(polygons, region)
-        found += [
-            (tile, polygon, bool(whole))
-            for polygon, whole in zip(polygons[touched], inside[touched], strict=True)
-        ]
-    return found
+def _lattice(pattern: Pattern, layout: Layout) -> FloatArray:
+    """(2, 2) rows t1, t2 in coordinates of the sheet, mm."""
+    return layout.place(pattern.lattice) - layout.place(np.zeros((1, 2)))
 
 
 def _shifts(
-    points: FloatArray, lattice: FloatArray, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Lattice vectors (n, 2) that carry a box around points into reach of the box low to high."""
-    least, most = low - points.max(axis=0), high - points.min(axis=0)
+    home: shapely.Polygon, lattice: FloatArray, region: shapely.Polygon
+) -> tuple[FloatArray, FloatArray]:
+    """Shifts (n, 2), lattice vectors to the grid, of a scale into a region, and across its border.
+
+    Scales that only touch the border from outside are in neither.
+    """
+    low, high = np.reshape(region.bounds, (2, 2))
+    least, most = low - home.bounds[2:], high - home.bounds[:2]
     corners = np.array([(x, y) for x in (least[0], most[0]) for y in (least[1], most[1])])
     steps = corners @ np.linalg.inv(lattice)
     first = np.floor(steps.min(axis=0)).astype(int)
     last = np.ceil(steps.max(axis=0)).astype(int)
-    grid = np.mgrid[first[0] : last[0] + 1, first[1] : last[1] + 1].reshape(2, -1).T
-    shifts = grid @ lattice
-    return np.asarray(shifts[np.all((shifts >= least) & (shifts <= most), axis=1)])
+    steps = np.mgrid[first[0] : last[0] + 1, first[1] : last[1] + 1].reshape(2, -1).T
+    shifts = GRID * np.rint(steps @ lattice / GRID)
+    shifts = shifts[np.all((shifts >= least) & (shifts <= most), axis=1)]
+    shapely.prepare(region)
+    copies = np.array([_moved(home, shift) for shift in shifts], dtype=object)
+    inside = shapely.covered_by(copies, region)
+    crossing = shapely.relate_pattern(copies, region, "T********") & ~inside
+    return shifts[inside], shifts[crossing]
 
 
 def _no_whole_scale(pattern: Pattern, shape: Shape, layout: Layout) -> FabricationError:

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
 
+import manifold3d as m3
 import numpy as np
 import shapely
 
@@ -110,10 +111,7 @@ def printable_sheet(
     top = pattern.substrate_thickness
     floor = top - grooves.depth
     root = top + _ROOT * pattern.scale_height
-    bodies = [
-        keyed(prism(s.outline, top, top + pattern.scale_height), s.grooves, floor, root)
-        for s in plan.scales
-    ]
+    bodies = _scale_bodies(plan, (floor, top, root, top + pattern.scale_height))
     under_bars: list[shapely.Polygon] = []
     if isinstance(shape, Rectangle) and shape.n_hinges:
         profile, half_width = hinge_profile(shape), 0.5 * shape.width
@@ -129,6 +127,26 @@ def printable_sheet(
     return PrintableSheet(
         pattern, shape, layout, grooves, printer, plan, tuple(under_bars), substrate, scales
     )
+
+
+def _scale_bodies(plan: Plan, heights: tuple[float, float, float, float]) -> list[m3.Manifold]:
+    """Solids of all scales. Whole ones on one tile are copies of the first of them.
+
+    Parameters
+    ----------
+    heights : of the grooves' bottom, of the base, to which ribs reach up, and of the top, mm.
+    """
+    floor, base, root, top = heights
+    first: dict[int, m3.Manifold] = {}
+    bodies = []
+    for scale in plan.scales:
+        if scale.shift is not None and scale.tile in first:
+            bodies.append(first[scale.tile].translate((*scale.shift, 0.0)))
+            continue
+        bodies.append(keyed(prism(scale.outline, base, top), scale.grooves, floor, root))
+        if scale.shift is not None:
+            first[scale.tile] = bodies[-1]
+    return bodies
 
 
 def sheet_figures(sheet: PrintableSheet) -> dict[str, Any]:

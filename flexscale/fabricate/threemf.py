@@ -55,9 +55,9 @@ def threemf_bytes(
     """
     texts = {**_PARTS, _MODEL: "\n".join(_model(parts, title, metadata)) + "\n"}
     file = io.BytesIO()
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+    with zipfile.ZipFile(file, "w") as archive:
         for name, text in texts.items():
-            archive.writestr(zipfile.ZipInfo(name, _FIRST_DAY), text, zipfile.ZIP_DEFLATED)
+            archive.writestr(zipfile.ZipInfo(name, _FIRST_DAY), text, zipfile.ZIP_DEFLATED, 3)
     return file.getvalue()
 
 
@@ -101,11 +101,12 @@ def _model(
 
 def _mesh(solid: Solid) -> list[str]:
     # numpy's str of a 32-bit number is the shortest text that gives it back: as in the STL files.
-    vertices = solid.vertices.astype(str)
+    vertices = tuple(solid.vertices.astype(str).ravel().tolist())
+    faces = tuple(solid.faces.ravel().tolist())
     return [
         "   <vertices>",
-        *(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in vertices.tolist()),
+        '<vertex x="%s" y="%s" z="%s"/>\n' * len(solid.vertices) % vertices,
         "   </vertices><triangles>",
-        *(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in solid.faces.tolist()),
+        '<triangle v1="%d" v2="%d" v3="%d"/>\n' * len(solid.faces) % faces,
         "   </triangles>",
     ]

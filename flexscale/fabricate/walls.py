@@ -43,7 +43,7 @@ def _offset(
         return area
     section = m3.CrossSection(rings_of(area), m3.FillRule.EvenOdd)
     moved = section.offset(distance, join, miter_limit=CORNER, circular_segments=_ARC)
-    return areas_within([np.asarray(ring) for ring in moved.to_polygons()])
+    return areas_of(moved)
 
 
 def rings_of(area: shapely.Geometry) -> list[np.ndarray]:
@@ -55,15 +55,15 @@ def rings_of(area: shapely.Geometry) -> list[np.ndarray]:
     ]
 
 
-def areas_within(rings: list[np.ndarray]) -> shapely.Geometry:
-    """The area within outlines (n_i, 2) of which some are holes of others."""
-    polygons = [shapely.Polygon(ring) for ring in rings]
-    turns_left = [ring.exterior.is_ccw for ring in polygons]
-    holes = [ring for ring, left in zip(polygons, turns_left, strict=True) if not left]
-    outer = [ring for ring, left in zip(polygons, turns_left, strict=True) if left]
-    if not holes:
-        return shapely.union_all(outer)
-    return polygonal(shapely.difference(shapely.union_all(outer), shapely.union_all(holes)))
+def areas_of(section: m3.CrossSection) -> shapely.Geometry:
+    """The polygons, holes included, of a section."""
+    areas = []
+    for part in section.decompose():
+        rings = sorted(map(shapely.Polygon, part.to_polygons()), key=lambda ring: -ring.area)
+        if rings:
+            holes = [ring.exterior for ring in rings[1:]]
+            areas.append(shapely.Polygon(rings[0].exterior, holes))
+    return shapely.union_all(areas)
 
 
 def is_printable(area: shapely.Polygon, wall: float) -> bool:

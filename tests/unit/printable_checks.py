@@ -7,6 +7,8 @@ import manifold3d as m3
 import numpy as np
 import shapely
 
+from flexscale.fabricate.walls import areas_of
+
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -42,11 +44,7 @@ def crosses_itself(vertices: np.ndarray, faces: np.ndarray) -> bool:
 def level(vertices: np.ndarray, faces: np.ndarray, z: float) -> list[shapely.Polygon]:
     """Areas of the cut by a horizontal plane, mm."""
     solid = m3.Manifold(m3.Mesh64(vertices, faces.astype(np.uint64)))
-    rings = [shapely.Polygon(ring) for ring in solid.slice(z).to_polygons()]
-    whole = shapely.Polygon()
-    for ring in sorted(rings, key=lambda ring: -ring.area):
-        whole = shapely.symmetric_difference(whole, ring)
-    return list(shapely.get_parts(whole))
+    return list(shapely.get_parts(areas_of(solid.slice(z))))
 
 
 def smallest_distance(areas: list[shapely.Polygon]) -> float:

@@ -11,6 +11,7 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 from flexscale.datasets.identity import Recipe, canonical_json
@@ -63,7 +64,7 @@ def write_sheet(
 
     Raises
     ------
-    BadInputError : there is no such folder.
+    BadInputError : there is no such folder, or it cannot be written to.
     """
     require_folder(folder)
     name = sheet_name(sheet)
@@ -82,10 +83,16 @@ def write_sheet(
         },
     }
     text = json.dumps(record, indent=1, ensure_ascii=False) + "\n"
-    (folder / f"{name}.json").unlink(missing_ok=True)
     contents[f"{name}.json"] = text.encode()
-    for file, data in contents.items():
-        write_atomically(folder / file, lambda path, data=data: path.write_bytes(data))  # type: ignore[misc]
+    try:
+        (folder / f"{name}.json").unlink(missing_ok=True)
+        for file, data in contents.items():
+            write_atomically(folder / file, partial(Path.write_bytes, data=data))
+    except OSError as error:
+        raise BadInputError(
+            f"{name} cannot be written to {folder}: {error.strerror}. Free space there, or name "
+            "another folder."
+        ) from error
     return [folder / file for file in contents]
 
 

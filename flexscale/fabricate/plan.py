@@ -1,7 +1,7 @@
 """Plan of a sheet: the simulated outlines laid out, cut at the border, and their grooves.
 
 All walls of the printed scales are vertical, so cutting a scale at the border is cutting its
-outline. That is done exactly up to a grid of 2⁻¹³ mm (0.1 µm), on which all corners of a plan lie.
+outline. That is done exactly up to a grid of 2⁻¹⁵ mm (0.03 µm), on which all corners of a plan lie.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from flexscale.units import require_finite
 FloatArray = NDArray[np.float64]
 Border = Literal["cut", "whole"]
 
+LARGEST = 500.0  # mm from the middle: beyond, 32-bit numbers do not hold the grid
+MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 MB
 SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
 
 
@@ -128,6 +130,7 @@ def build_plan(
     shape.check(printer)
     _check_scales(pattern, printer)
     region = shape.scaled_region()
+    _check_size(pattern, region)
     least = SLIVER * pattern.tile_area if layout.smallest_area is None else layout.smallest_area
     scales: list[PlannedScale] = []
     n_removed = n_left_out = 0
@@ -151,6 +154,21 @@ def build_plan(
     if plan.n_whole == 0:
         raise _no_whole_scale(pattern, shape, layout)
     return plan
+
+
+def _check_size(pattern: Pattern, region: shapely.Polygon) -> None:
+    reach = max(map(abs, region.bounds))
+    if reach > LARGEST:
+        raise FabricationError(
+            f"The sheet reaches {reach:g} mm from its middle, but files for printers hold at most "
+            f"{LARGEST:g} mm to less than 0.1 µm: give a smaller size."
+        )
+    expected = region.area / pattern.tile_area
+    if expected > MOST_SCALES:
+        raise FabricationError(
+            f"The sheet would hold about {expected:.0f} scales on tiles of {pattern.tile_area:g} "
+            f"mm², more than {MOST_SCALES}: give a smaller size or a larger tile area."
+        )
 
 
 def _whole_scales(

@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 
 CORNER = 4.0  # farthest corner from a bead's middle, in halves of the wall: 29°
-GRID = 2.0**-13  # mm: corners lie on this grid, and 32-bit numbers hold them exactly up to 2 m
-_STEP = 0.25  # mm, between points of an outline that are examined
+GRID = 2.0**-15  # mm: corners lie on it; up to half a meter 32-bit numbers hold them exactly
+_STEP = 0.5  # mm, between points of an outline that are examined
 _ARC = 128  # corners of a whole circle, where a bead's middle turns around an inner corner
 _WIDER = 1.25  # ratio of the widths that are tried in search of the smallest wall
 _BISECTIONS = 24

@@ -124,6 +124,17 @@ def test_what_is_interrupted_has_no_record(
         read_stl((tmp_path / name).read_bytes())
 
 
+def test_a_full_disk_is_told(
+    sheet: PrintableSheet, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, write: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(fabricate_files, "write_atomically", full)
+    with pytest.raises(BadInputError, match=f"{STEM} cannot be written to .*: No space left"):
+        write_sheet(sheet, tmp_path)
+
+
 def test_a_missing_folder_is_refused(sheet: PrintableSheet, tmp_path: Path) -> None:
     with pytest.raises(BadInputError, match="There is no folder"):
         write_sheet(sheet, tmp_path / "nowhere")

@@ -183,6 +183,11 @@ REFUSED = [
         "9x9 mm holds no whole scale .* measures 9 x 9 mm, a scale 9.6 x 9.6 mm",
         {"shape": Rectangle(9.0, 9.0)},
     ),
+    ("reaches 600 mm from its middle, but .* 500 mm", {"shape": Disc(600.0)}),
+    (
+        "about 31426 scales on tiles of 24 mm², more than 20000",
+        {"shape": Disc(490.0), "pattern": SQUARE.with_(tile_area=24.0)},
+    ),
     ("disc-5 mm holds no whole scale", {"shape": Disc(5.0)}),
     ("wall of the hinge barrels is 0.2 mm", {"shape": Rectangle(barrel_wall=0.2)}),
     ("leaves a ring of 0.1 mm", {"shape": Disc(4.1, hub=8.0)}),

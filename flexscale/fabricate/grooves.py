@@ -27,12 +27,12 @@ def groove_rings(base: shapely.Polygon, grooves: Grooves) -> list[shapely.Polygo
         return []
     width, spacing = grooves.width + _WIDER, grooves.spacing + _WIDER
     rings: list[shapely.Polygon] = []
-    outside = opened(inset(base, grooves.first + _WIDER), width)
+    outside = opened(inset(base, grooves.first + _WIDER), width, spacing)
     while not outside.is_empty:
-        inside = opened(inset(outside, width), spacing)
+        inside = opened(inset(outside, width), spacing, width)
         found = on_grid(shapely.difference(outside, inside))
         rings += [ring for ring in shapely.get_parts(found) if ring.area > 0.5 * width**2]
-        outside = opened(inset(inside, spacing), width)
+        outside = opened(inset(inside, spacing), width, spacing)
     return rings
 
 

@@ -19,6 +19,8 @@ from flexscale.fabricate.walls import GRID, rings_of
 
 FloatArray = NDArray[np.float64]
 
+_NEEDLE = 1e-6  # height of a triangle over its length: ten times what 32-bit numbers resolve
+_PASSES = 5  # needles beside each other need more than one
 _REACH = 1.0  # mm, how far the tool that cuts grooves stands out above the substrate
 
 
@@ -122,7 +124,34 @@ def solid_of(name: str, bodies: list[m3.Manifold]) -> Solid:
     vertices = np.array(mesh.vert_properties)[:, :3]
     # The library rounds decimal places of what it extrudes: back to the grid all plans lie on.
     vertices[:, :2] = GRID * np.rint(vertices[:, :2] / GRID)
-    return Solid(name, vertices.astype(np.float32), np.asarray(mesh.tri_verts).astype(np.int64))
+    faces = without_needles(vertices, np.array(mesh.tri_verts).astype(np.int64))
+    return Solid(name, vertices.astype(np.float32), faces)
+
+
+def without_needles(vertices: FloatArray, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Faces (m, 3) of the same surface, without triangles whose corners lie on one line.
+
+    Programs that compute with 32-bit numbers find no normal for these. The triangle beyond the
+    longest side is split at the corner that lies on this side, which is where the needle goes.
+    """
+    faces = faces.copy()
+    for _ in range(_PASSES):
+        sides = np.roll(vertices[faces], -1, axis=1) - vertices[faces]
+        lengths = np.linalg.norm(sides, axis=2)
+        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        needles = np.flatnonzero(areas < _NEEDLE * lengths.max(axis=1) ** 2)
+        if not len(needles):
+            break
+        changed: set[int] = set()
+        for needle in needles:
+            if needle in changed:
+                continue
+            a, b, c = np.roll(faces[needle], -int(lengths[needle].argmax()))
+            other, side = np.argwhere((faces == b) & (np.roll(faces, -1, axis=1) == a))[0]
+            d = faces[other, side - 1]
+            faces[needle], faces[other] = (a, d, c), (d, b, c)
+            changed.add(other)
+    return faces
 
 
 def section(solid: Solid, y: float) -> list[FloatArray]:

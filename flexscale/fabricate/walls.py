@@ -26,9 +26,23 @@ def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
     return _offset(area, -distance)
 
 
-def opened(area: shapely.Geometry, wall: float) -> shapely.Geometry:
-    """An area without what is thinner than `wall` (mm); corners down to 29° stay."""
-    return polygonal(shapely.intersection(area, _offset(inset(area, 0.5 * wall), 0.5 * wall)))
+def opened(area: shapely.Geometry, wall: float, apart: float) -> shapely.Geometry:
+    """An area without what is thinner than `wall` (mm); corners down to 29° stay.
+
+    Where it falls into parts closer to each other than `apart` (mm), the smaller are left out.
+    """
+    kept: list[shapely.Polygon] = []
+    for core in _by_size(inset(area, 0.5 * wall)):
+        # Mitres may reach across a notch: what lies there is no part of this one.
+        found = _by_size(polygonal(shapely.intersection(area, _offset(core, 0.5 * wall))))
+        if found and all(shapely.distance(found[0], other) >= apart for other in kept):
+            kept.append(found[0])
+    return shapely.MultiPolygon(kept)
+
+
+def _by_size(area: shapely.Geometry) -> list[shapely.Polygon]:
+    """The polygons of an area, largest first."""
+    return sorted(shapely.get_parts(area), key=lambda part: -part.area)
 
 
 def _offset(
@@ -106,8 +120,7 @@ def without_thin_parts(area: shapely.Polygon, wall: float) -> shapely.Polygon | 
     """
     if is_printable(area, wall):
         return area
-    parts = shapely.get_parts(on_grid(opened(area, wall)))
-    for part in sorted(parts, key=lambda part: -part.area):
+    for part in _by_size(on_grid(opened(area, wall, wall))):
         if is_printable(part, wall):
             return part
     return None

@@ -14,7 +14,7 @@ from flexscale.fabricate import Disc, Grooves, Layout, Printer, Rectangle
 from flexscale.fabricate.grooves import groove_rings, substrate_between
 from flexscale.fabricate.plan import build_plan
 from flexscale.fabricate.shapes import circle_points
-from flexscale.fabricate.walls import GRID, is_printable, smallest_wall, without_thin_parts
+from flexscale.fabricate.walls import GRID, is_printable, opened, smallest_wall, without_thin_parts
 
 NAMES = [entry.name for entry in fs.named_patterns()]
 SQUARE = fs.named_pattern("square")
@@ -90,6 +90,29 @@ def test_neither_grooves_nor_what_is_between_gets_thinner_than_asked(
         assert smallest_wall(between, 0.4) >= min(grooves.spacing, grooves.first)
         nearest = min(shapely.distance(base.exterior, ring) for ring in rings)
         assert nearest == pytest.approx(grooves.first, abs=8 * GRID)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_grooves_of_cut_pieces_are_as_wide(name: str) -> None:
+    pieces = plan(fs.named_pattern(name), Disc(45.0, hub=8.0)).scales
+    rings = [ring for scale in pieces if not scale.whole for ring in scale.grooves]
+    assert len(rings) > 10
+    assert smallest_wall(rings, 0.8 - GRID) >= 0.8 - GRID
+    between = [
+        area
+        for scale in pieces
+        if not scale.whole
+        for area in substrate_between(scale.outline, scale.grooves)
+    ]
+    assert smallest_wall(between, 0.4) >= 0.4
+
+
+def test_parts_that_a_neck_joins_do_not_join_again() -> None:
+    arms = [shapely.box(0, 0, 4, 4), shapely.box(4.3, 0, 7, 4), shapely.box(3, 1.8, 5, 2.2)]
+    left = opened(shapely.union_all(arms), 0.8, 0.2)
+    assert [part.area for part in left.geoms] == pytest.approx([16.0, 10.8], rel=1e-3)
+    apart = opened(shapely.union_all(arms), 0.8, 0.5)
+    assert [part.area for part in apart.geoms] == pytest.approx([16.0], rel=1e-3)
 
 
 @pytest.mark.parametrize("name", NAMES)

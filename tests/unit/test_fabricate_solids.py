@@ -11,7 +11,7 @@ import shapely
 import flexscale as fs
 from flexscale.fabricate import Disc, Grooves, Layout, PrintableSheet, Rectangle, printable_sheet
 from flexscale.fabricate.hinges import hinge_axes
-from flexscale.fabricate.solids import section
+from flexscale.fabricate.solids import section, without_needles
 from flexscale.fabricate.stl import stl_bytes
 from flexscale.fabricate.walls import GRID, smallest_wall
 from tests.unit.printable_checks import (
@@ -94,6 +94,19 @@ def test_hinges_take_the_pin_at_their_axes() -> None:
     assert width == pytest.approx([2 * (20.4 + 2 * radius), 30.0, 0.2 + 2 * radius], abs=1e-3)
     without = printable_sheet(fs.named_pattern("square"), dataclasses.replace(shape, pin=None))
     assert without.substrate.bounds[1, 0] == 20.0
+
+
+def test_needles_give_way_and_the_surface_stays_closed() -> None:
+    # A tetrahedron with a corner more in the middle of an edge, once in a triangle without area.
+    vertices = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 0, 0]], dtype=float)
+    faces = np.array([[0, 2, 1], [0, 1, 4], [0, 4, 3], [4, 1, 3], [0, 3, 2], [1, 2, 3]])
+    assert n_open_edges(faces) == 0
+    mended = without_needles(vertices, faces)
+    assert n_open_edges(mended) == 0
+    assert volume_of(vertices, mended) == pytest.approx(8.0 / 6.0)
+    corners = vertices[mended]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.linalg.norm(normals, axis=1).min() > 0.5
 
 
 def test_a_section_shows_teeth_that_fit() -> None:

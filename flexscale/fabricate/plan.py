@@ -7,61 +7,21 @@ outline. That is done exactly up to a grid of 2⁻¹⁵ mm (0.03 µm), on which 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from flexscale.errors import FabricationError
 from flexscale.fabricate.grooves import groove_rings
+from flexscale.fabricate.layout import FloatArray, Layout, lattice_on_sheet, moved, shifts_onto
 from flexscale.fabricate.options import Grooves, Printer, check_printable
 from flexscale.fabricate.shapes import Shape
 from flexscale.fabricate.walls import GRID, is_printable, smallest_wall, without_thin_parts
 from flexscale.patterns import Pattern
-from flexscale.units import require_finite
-
-FloatArray = NDArray[np.float64]
-Border = Literal["cut", "whole"]
 
 LARGEST = 500.0  # mm from the middle: beyond, 32-bit numbers do not hold the grid
 MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 MB
 SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How the pattern lies on the sheet, and what happens at the border.
-
-    Attributes
-    ----------
-    direction : degree, direction of the pattern that lies along x, the length of a rectangle.
-    center : (2,) mm, point of the pattern that lies in the middle of the sheet.
-    border : "cut" scales at the border, or keep only those that are "whole".
-    smallest_area : mm², cut pieces below this are left out; 5 % of a tile if not given.
-    """
-
-    direction: float = 0.0
-    center: tuple[float, float] = (0.0, 0.0)
-    border: Border = "cut"
-    smallest_area: float | None = None
-
-    def __post_init__(self) -> None:
-        require_finite(self.direction, "direction", "degree")
-        for value in self.center:
-            require_finite(value, "center", "mm")
-        if self.smallest_area is not None:
-            area = require_finite(self.smallest_area, "smallest area", "mm²")
-            if area < 0.0:
-                raise FabricationError(f"The smallest area is {area:g} mm²: give 0 or more.")
-        if self.border not in ("cut", "whole"):
-            raise FabricationError(f"The border is {self.border!r}: choose 'cut' or 'whole'.")
-
-    def place(self, points: FloatArray) -> FloatArray:
-        """Points (n, 2) of the pattern in coordinates of the sheet, mm."""
-        turn = np.deg2rad(self.direction)
-        cosine, sine = np.cos(turn), np.sin(turn)
-        return np.asarray((points - np.array(self.center)) @ [[cosine, -sine], [sine, cosine]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,13 +96,13 @@ def build_plan(
     n_removed = n_left_out = 0
     for tile, outline in enumerate(pattern.outlines()):
         home = shapely.set_precision(shapely.Polygon(layout.place(outline)), GRID)
-        inside, crossing = _shifts(home, _lattice(pattern, layout), region)
+        inside, crossing = shifts_onto(home, lattice_on_sheet(pattern, layout), region)
         scales += _whole_scales(home, tile, inside, grooves)
         if layout.border == "whole":
             n_left_out += len(crossing)
             continue
         for shift in crossing:
-            cut = shapely.intersection(_moved(home, shift), region, grid_size=GRID)
+            cut = shapely.intersection(moved(home, shift), region, grid_size=GRID)
             for part in shapely.get_parts(cut):
                 kept = without_thin_parts(part, printer.wall) if part.area >= least else None
                 if kept is None or kept.area < least:
@@ -180,17 +140,13 @@ def _whole_scales(
     rings = groove_rings(home, grooves)
     return [
         PlannedScale(
-            _moved(home, shift),
-            tuple(_moved(ring, shift) for ring in rings),
+            moved(home, shift),
+            tuple(moved(ring, shift) for ring in rings),
             tile,
             (float(shift[0] - shifts[0, 0]), float(shift[1] - shifts[0, 1])),
         )
         for shift in shifts
     ]
-
-
-def _moved(area: shapely.Polygon, shift: FloatArray) -> shapely.Polygon:
-    return shapely.transform(area, lambda points: points + shift)
 
 
 def _check_scales(pattern: Pattern, printer: Printer) -> None:
@@ -204,34 +160,6 @@ def _check_scales(pattern: Pattern, printer: Printer) -> None:
                 f"tile area than {pattern.tile_area:g} mm², a gap below {pattern.gap:g} mm, or a "
                 "rounder tile."
             )
-
-
-def _lattice(pattern: Pattern, layout: Layout) -> FloatArray:
-    """(2, 2) rows t1, t2 in coordinates of the sheet, mm."""
-    return layout.place(pattern.lattice) - layout.place(np.zeros((1, 2)))
-
-
-def _shifts(
-    home: shapely.Polygon, lattice: FloatArray, region: shapely.Polygon
-) -> tuple[FloatArray, FloatArray]:
-    """Shifts (n, 2), lattice vectors to the grid, of a scale into a region, and across its border.
-
-    Scales that only touch the border from outside are in neither.
-    """
-    low, high = np.reshape(region.bounds, (2, 2))
-    least, most = low - home.bounds[2:], high - home.bounds[:2]
-    corners = np.array([(x, y) for x in (least[0], most[0]) for y in (least[1], most[1])])
-    steps = corners @ np.linalg.inv(lattice)
-    first = np.floor(steps.min(axis=0)).astype(int)
-    last = np.ceil(steps.max(axis=0)).astype(int)
-    steps = np.mgrid[first[0] : last[0] + 1, first[1] : last[1] + 1].reshape(2, -1).T
-    shifts = GRID * np.rint(steps @ lattice / GRID)
-    shifts = shifts[np.all((shifts >= least) & (shifts <= most), axis=1)]
-    shapely.prepare(region)
-    copies = np.array([_moved(home, shift) for shift in shifts], dtype=object)
-    inside = shapely.covered_by(copies, region)
-    crossing = shapely.relate_pattern(copies, region, "T********") & ~inside
-    return shifts[inside], shifts[crossing]
 
 
 def _no_whole_scale(pattern: Pattern, shape: Shape, layout: Layout) -> FabricationError:

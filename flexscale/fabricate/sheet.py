@@ -12,8 +12,9 @@ import shapely
 
 from flexscale.fabricate.grooves import groove_rings
 from flexscale.fabricate.hinges import hinge_axes, hinge_bases, hinge_profile
+from flexscale.fabricate.layout import Layout
 from flexscale.fabricate.options import Grooves, Printer
-from flexscale.fabricate.plan import Layout, Plan, build_plan
+from flexscale.fabricate.plan import Plan, build_plan
 from flexscale.fabricate.shapes import Disc, Rectangle, Shape
 from flexscale.fabricate.solids import Solid, bar, grooved, keyed, prism, solid_of
 from flexscale.patterns import Pattern

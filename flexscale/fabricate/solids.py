@@ -133,6 +133,7 @@ def without_needles(vertices: FloatArray, faces: NDArray[np.int64]) -> NDArray[n
 
     Programs that compute with 32-bit numbers find no normal for these. The triangle beyond the
     longest side is split at the corner that lies on this side, which is where the needle goes.
+    One that this would make into another needle stays.
     """
     faces = faces.copy()
     for _ in range(_PASSES):
@@ -149,9 +150,20 @@ def without_needles(vertices: FloatArray, faces: NDArray[np.int64]) -> NDArray[n
             a, b, c = np.roll(faces[needle], -int(lengths[needle].argmax()))
             other, side = np.argwhere((faces == b) & (np.roll(faces, -1, axis=1) == a))[0]
             d = faces[other, side - 1]
-            faces[needle], faces[other] = (a, d, c), (d, b, c)
-            changed.add(other)
+            new = np.array([(a, d, c), (d, b, c)])
+            if other not in changed and _is_fatter(vertices, new, faces[other]):
+                faces[needle], faces[other] = new
+                changed |= {int(needle), int(other)}
     return faces
+
+
+def _is_fatter(vertices: FloatArray, new: NDArray[np.int64], old: NDArray[np.int64]) -> bool:
+    """Whether new triangles (2, 3) face where an old one (3,) does, and are no needles."""
+    corners = vertices[np.vstack([new, old[None]])]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    facing = normals[:2] @ normals[2]
+    return bool((facing > _NEEDLE * lengths[:2] ** 2 * np.linalg.norm(normals[2])).all())
 
 
 def section(solid: Solid, y: float) -> list[FloatArray]:

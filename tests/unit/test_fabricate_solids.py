@@ -9,11 +9,13 @@ import pytest
 import shapely
 
 import flexscale as fs
+from flexscale.cli.tiling_gallery import generic_tiling
 from flexscale.fabricate import Disc, Grooves, Layout, PrintableSheet, Rectangle, printable_sheet
 from flexscale.fabricate.hinges import hinge_axes
 from flexscale.fabricate.solids import section, without_needles
 from flexscale.fabricate.stl import stl_bytes
 from flexscale.fabricate.walls import GRID, smallest_wall
+from flexscale.tilings.families import find_family
 from tests.unit.printable_checks import (
     crosses_itself,
     level,
@@ -107,6 +109,15 @@ def test_needles_give_way_and_the_surface_stays_closed() -> None:
     corners = vertices[mended]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.linalg.norm(normals, axis=1).min() > 0.5
+
+
+def test_needles_beside_needles_stay_sound() -> None:
+    pattern = fs.Pattern(generic_tiling(find_family("IH31")))
+    layout = Layout(direction=13.0, center=(2.0, 1.0))
+    sheet = printable_sheet(pattern, Disc(28.0, hub=5.0), layout=layout)
+    for vertices, faces in surfaces(sheet).values():
+        assert n_open_edges(faces) == 0
+        assert not crosses_itself(vertices, faces)
 
 
 def test_a_section_shows_teeth_that_fit() -> None:

@@ -34,6 +34,10 @@ class MeshError(BadInputError):
     """A mesh cannot be built with these options, or an invariant of a mesh is broken."""
 
 
+class FabricationError(BadInputError):
+    """A sheet cannot be printed with these sizes, grooves or printer limits."""
+
+
 class UnitRangeError(BadInputError):
     """A physical value is not finite or lies outside its allowed range."""
 

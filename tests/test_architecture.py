@@ -39,6 +39,7 @@ LIBRARY_HOMES: dict[str, set[str]] = {
     "snakemake": set(),
     "pypardiso": {"solve"},
     "ipctk": {"mechanics"},
+    "manifold3d": {"fabricate"},
     "pydantic": {"steps"},
     "typer": {"cli"},
     "rich": {"cli"},

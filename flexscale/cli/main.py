@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from flexscale.cli import data, tiling
+from flexscale.cli import data, fabricate, tiling
 from flexscale.cli.options import Json, Quiet, Results
 from flexscale.errors import FlexScaleError
 
@@ -29,6 +29,7 @@ app = typer.Typer(
 )
 app.add_typer(data.app, name="data")
 app.add_typer(tiling.app, name="tiling")
+app.command("fabricate", cls=tiling.ParametersCommand, help=fabricate.HELP)(fabricate.fabricate)
 
 
 @app.command()

@@ -38,7 +38,7 @@ picture is drawn all the same, with the edges at fault in red.
 """
 
 
-class _ParametersCommand(TyperCommand):
+class ParametersCommand(TyperCommand):
     """Takes `--parameters 0.1 -0.2` for `--parameters 0.1,-0.2`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -53,7 +53,7 @@ def list_(json: Json = False, quiet: Quiet = False) -> None:
     list_families(as_json=json, quiet=quiet)
 
 
-@app.command(cls=_ParametersCommand, help=_DRAW_HELP)
+@app.command(cls=ParametersCommand, help=_DRAW_HELP)
 def draw(
     family: Annotated[str, typer.Argument(help="IH01 to IH93, or the name of a named pattern.")],
     parameters: Annotated[

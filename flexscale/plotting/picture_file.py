@@ -50,13 +50,18 @@ def write_picture(figure: Figure, path: Path, *, n_colors: int | None = None) ->
     BadInputError : as `require_picture_path`.
     """
     require_picture_path(path)
-    ending = path.suffix.removeprefix(".")
+    content = picture_bytes(figure, path.suffix.removeprefix("."), n_colors=n_colors)
+    write_atomically(path, lambda file: file.write_bytes(content))
+
+
+def picture_bytes(figure: Figure, ending: str, *, n_colors: int | None = None) -> bytes:
+    """Contents of a picture file, in one of the `PICTURE_FORMATS`; `n_colors` as above."""
     content = io.BytesIO()
     with flexscale_style():
         figure.savefig(content, format=ending, metadata=PICTURE_FORMATS[ending])
     if ending == "png" and n_colors is not None:
         content = _with_palette(content, n_colors)
-    write_atomically(path, lambda file: file.write_bytes(content.getvalue()))
+    return content.getvalue()
 
 
 def _with_palette(png: io.BytesIO, n_colors: int) -> io.BytesIO:

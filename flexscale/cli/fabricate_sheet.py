@@ -1,0 +1,47 @@
+"""`flexscale fabricate`: make a sheet, write its files, tell its figures."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from flexscale.cli.fabricate_input import SheetRequest, requested_pattern, requested_shape
+from flexscale.datasets.identity import SHORT_DIGEST
+from flexscale.fabricate import Grooves, Layout, Printer, printable_sheet
+from flexscale.fabricate.files import require_folder, write_sheet
+from flexscale.fabricate.report import report_lines
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns import Pattern
+from flexscale.steps.catalog import STEPS, CellParameters
+
+
+def make_sheet(request: SheetRequest, out: Path, *, as_json: bool, quiet: bool) -> None:
+    """Write the files and print their paths, or the record as JSON; figures go to stderr.
+
+    Raises
+    ------
+    BadInputError : something that was asked for cannot be made or written.
+    """
+    require_folder(out)
+    pattern, mesh = requested_pattern(request)
+    sheet = printable_sheet(
+        pattern,
+        requested_shape(request),
+        layout=Layout(**request.layout),
+        grooves=Grooves(**request.grooves),
+        printer=Printer(**request.printer),
+    )
+    paths = write_sheet(sheet, out, cell_dataset(pattern, mesh))
+    if not quiet:
+        print("\n".join(report_lines(sheet)), file=sys.stderr)
+    if as_json:
+        sys.stdout.write(paths[-1].read_text(encoding="utf-8"))
+    else:
+        sys.stdout.write("".join(f"{path}\n" for path in paths))
+
+
+def cell_dataset(pattern: Pattern, mesh: MeshOptions) -> dict[str, str]:
+    """Id and recipe digest that the pattern's cell has in any results folder, stored or not."""
+    config = {"pattern": pattern.to_config(), "mesh": mesh.to_config()}
+    digest = STEPS["cell"].recipe(CellParameters.model_validate(config)).digest()
+    return {"id": f"cell:{digest[:SHORT_DIGEST]}", "recipe_digest": digest}

@@ -1,0 +1,173 @@
+"""Plan of a sheet: the simulated outlines laid out, cut at the border, and their grooves.
+
+All walls of the printed scales are vertical, so cutting a scale at the border is cutting its
+outline. That is done exactly up to a grid of 2⁻¹⁵ mm (0.03 µm), on which all corners of a plan lie.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from flexscale.errors import FabricationError
+from flexscale.fabricate.grooves import groove_rings
+from flexscale.fabricate.layout import FloatArray, Layout, lattice_on_sheet, moved, shifts_onto
+from flexscale.fabricate.options import Grooves, Printer, check_printable
+from flexscale.fabricate.shapes import Shape
+from flexscale.fabricate.walls import GRID, is_printable, smallest_wall, without_thin_parts
+from flexscale.patterns import Pattern
+
+LARGEST = 500.0  # mm from the middle: beyond, 32-bit numbers do not hold the grid
+MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 MB
+SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedScale:
+    """One scale, or a piece of one.
+
+    Attributes
+    ----------
+    outline : of base and top, mm.
+    grooves : under its base.
+    tile : which tile of the pattern's cell it stands on.
+    shift : (2,) mm, of a whole scale: from the first one on this tile to this one; they are equal
+        to the last bit, as shifts lie on the grid. None of a piece.
+    """
+
+    outline: shapely.Polygon
+    grooves: tuple[shapely.Polygon, ...]
+    tile: int
+    shift: tuple[float, float] | None
+
+    @property
+    def whole(self) -> bool:
+        """Whether its outline is the simulated one."""
+        return self.shift is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """All that is printed, seen from above, in mm, the middle of the sheet at the origin.
+
+    Attributes
+    ----------
+    sheet : outline of the substrate.
+    scales : whole ones and pieces.
+    n_removed : pieces left out because they were too small or too thin.
+    n_left_out : scales left out because they crossed the border.
+    """
+
+    sheet: shapely.Polygon
+    scales: tuple[PlannedScale, ...]
+    n_removed: int
+    n_left_out: int
+
+    @property
+    def n_whole(self) -> int:
+        """Number of whole scales."""
+        return sum(scale.whole for scale in self.scales)
+
+    def smallest_wall(self, start: float) -> float:
+        """Of all scales, mm, sought from `start` mm."""
+        wholes = {scale.tile: scale.outline for scale in self.scales if scale.whole}
+        pieces = [scale.outline for scale in self.scales if not scale.whole]
+        return smallest_wall([*wholes.values(), *pieces], start)
+
+
+def build_plan(
+    pattern: Pattern, shape: Shape, layout: Layout, grooves: Grooves, printer: Printer
+) -> Plan:
+    """Lay the pattern out on a shape.
+
+    Raises
+    ------
+    FabricationError : the printer cannot make the pattern, or no scale lies wholly in the shape.
+    """
+    check_printable(pattern, grooves, printer)
+    shape.check(printer)
+    _check_scales(pattern, printer)
+    region = shape.scaled_region()
+    _check_size(pattern, region)
+    least = SLIVER * pattern.tile_area if layout.smallest_area is None else layout.smallest_area
+    scales: list[PlannedScale] = []
+    n_removed = n_left_out = 0
+    for tile, outline in enumerate(pattern.outlines()):
+        home = shapely.set_precision(shapely.Polygon(layout.place(outline)), GRID)
+        inside, crossing = shifts_onto(home, lattice_on_sheet(pattern, layout), region)
+        scales += _whole_scales(home, tile, inside, grooves)
+        if layout.border == "whole":
+            n_left_out += len(crossing)
+            continue
+        for shift in crossing:
+            cut = shapely.intersection(moved(home, shift), region, grid_size=GRID)
+            for part in shapely.get_parts(cut):
+                kept = without_thin_parts(part, printer.wall) if part.area >= least else None
+                if kept is None or kept.area < least:
+                    n_removed += 1
+                else:
+                    rings = tuple(groove_rings(kept, grooves))
+                    scales.append(PlannedScale(kept, rings, tile, None))
+    plan = Plan(shape.sheet_region(pattern.gap), tuple(scales), n_removed, n_left_out)
+    if plan.n_whole == 0:
+        raise _no_whole_scale(pattern, shape, layout)
+    return plan
+
+
+def _check_size(pattern: Pattern, region: shapely.Polygon) -> None:
+    reach = max(map(abs, region.bounds))
+    if reach > LARGEST:
+        raise FabricationError(
+            f"The sheet reaches {reach:g} mm from its middle, but files for printers hold at most "
+            f"{LARGEST:g} mm to less than 0.1 µm: give a smaller size."
+        )
+    expected = region.area / pattern.tile_area
+    if expected > MOST_SCALES:
+        raise FabricationError(
+            f"The sheet would hold about {expected:.0f} scales on tiles of {pattern.tile_area:g} "
+            f"mm², more than {MOST_SCALES}: give a smaller size or a larger tile area."
+        )
+
+
+def _whole_scales(
+    home: shapely.Polygon, tile: int, shifts: FloatArray, grooves: Grooves
+) -> list[PlannedScale]:
+    """Copies of the scale on one tile."""
+    if not len(shifts):
+        return []
+    rings = groove_rings(home, grooves)
+    return [
+        PlannedScale(
+            moved(home, shift),
+            tuple(moved(ring, shift) for ring in rings),
+            tile,
+            (float(shift[0] - shifts[0, 0]), float(shift[1] - shifts[0, 1])),
+        )
+        for shift in shifts
+    ]
+
+
+def _check_scales(pattern: Pattern, printer: Printer) -> None:
+    for number, prototile in enumerate(pattern.prototiles):
+        outline = shapely.Polygon(prototile.outline)
+        if not is_printable(outline, printer.wall):
+            thinnest = smallest_wall([outline], printer.wall)
+            raise FabricationError(
+                f"Scale {number} of pattern {pattern.name!r} has a wall or a needle of "
+                f"{thinnest:.3g} mm, below the smallest wall of {printer.wall:g} mm: give a larger "
+                f"tile area than {pattern.tile_area:g} mm², a gap below {pattern.gap:g} mm, or a "
+                "rounder tile."
+            )
+
+
+def _no_whole_scale(pattern: Pattern, shape: Shape, layout: Layout) -> FabricationError:
+    sizes = [np.ptp(layout.place(outline), axis=0) for outline in pattern.outlines()]
+    width, height = min(sizes, key=lambda size: float(size.prod()))
+    low, high = np.reshape(shape.scaled_region().bounds, (2, 2))
+    return FabricationError(
+        f"The {shape.name} mm holds no whole scale of pattern {pattern.name!r}: the sheet measures "
+        f"{high[0] - low[0]:g} x {high[1] - low[1]:g} mm, a scale {width:.3g} x {height:.3g} mm. "
+        "Give a larger sheet, or another point of the pattern as its center."
+    )

@@ -90,7 +90,7 @@ def fit_parameters(fit: xr.Dataset, side: str, directions: ArrayLike) -> dict[st
 
     Parameters
     ----------
-    fit : dataset of kind fit/1.
+    fit : dataset of kind fit.
     side : one the fit has.
     directions : degree.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.schema import ASSESSMENTS, STATISTICS
+from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions, fit_polar
 from flexscale.macro.samples import Samples
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
@@ -44,14 +45,21 @@ class FitErrors:
 
 
 def assess(
-    samples: Samples, laws: DirectionalLaws, polar: PolarLaw, weighting: Weighting
+    samples: Samples,
+    laws: DirectionalLaws,
+    polar: PolarLaw,
+    weighting: Weighting,
+    stiffness: Harmonics | None = None,
 ) -> FitErrors:
-    """All errors of a fit; refits it once per curvature and per computed direction."""
+    """All errors of a fit; refits it once per curvature and per computed direction.
+
+    `stiffness` : a, where the fit was given it.
+    """
     predictions = {
         "law": _predict(samples, lambda side: laws.law(side)),
         "model": _predict_polar(samples, polar),
-        "held_out_curvature": _without_curvatures(samples, laws, weighting),
-        "held_out_direction": _without_directions(samples, laws, weighting),
+        "held_out_curvature": _without_curvatures(samples, laws, weighting, stiffness),
+        "held_out_direction": _without_directions(samples, laws, weighting, stiffness),
     }
     energy, moment = (
         np.stack([predictions[name][part] for name in ASSESSMENTS]) for part in (0, 1)
@@ -90,15 +98,15 @@ def _predict_polar(samples: Samples, polar: PolarLaw) -> Prediction:
 
 
 def _without_curvatures(
-    samples: Samples, laws: DirectionalLaws, weighting: Weighting
+    samples: Samples, laws: DirectionalLaws, weighting: Weighting, stiffness: Harmonics | None
 ) -> Prediction:
     """At each curvature but the last (beyond it would be extrapolation), the model without it."""
     energy, moment = np.full_like(samples.energy, np.nan), np.full_like(samples.moment, np.nan)
     contact = np.isfinite(laws.kappa_0)
     for index in range(len(samples.curvatures) - 1):
         fewer = samples.without_curvature(index)
-        again = fit_directions(fewer, weighting, contact)
-        polar = fit_polar(again, fewer, weighting)
+        again = fit_directions(fewer, weighting, stiffness, contact)
+        polar = fit_polar(again, fewer, weighting, stiffness)
         if polar is None:
             continue
         # Lines that lost their only sample before the onset no longer know it.
@@ -110,13 +118,13 @@ def _without_curvatures(
 
 
 def _without_directions(
-    samples: Samples, laws: DirectionalLaws, weighting: Weighting
+    samples: Samples, laws: DirectionalLaws, weighting: Weighting, stiffness: Harmonics | None
 ) -> Prediction:
     """In each computed direction and its copies, the model without them."""
     energy, moment = np.full_like(samples.energy, np.nan), np.full_like(samples.moment, np.nan)
     for source in np.unique(samples.sources):
         left_out = samples.sources == source
-        polar = fit_polar(laws, samples, weighting, ~left_out)
+        polar = fit_polar(laws, samples, weighting, stiffness, ~left_out)
         if polar is not None:
             guess = _predict_polar(samples, polar)
             energy[:, left_out], moment[:, left_out] = guess[0][:, left_out], guess[1][:, left_out]

@@ -1,4 +1,4 @@
-"""The macro model of uniaxial bending: energy and moment in any direction [Eqs. 10, 11]."""
+"""The macro model: energy and moment of uniaxial bending, and of any curvature [Eqs. 10 to 13]."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_fit_dataset
 from flexscale.datasets.fit_values import PARAMETERS, FloatArray
-from flexscale.datasets.schema import SCALARS, schema_of
-from flexscale.errors import SchemaError, UnitRangeError, UnknownNameError, suggest
+from flexscale.datasets.schema import SCALARS, SIDES, schema_of
+from flexscale.errors import BadInputError, SchemaError, UnitRangeError, UnknownNameError, suggest
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.harmonics import Harmonics
-from flexscale.macro.polar import DirectionalLaws, PolarLaw
-from flexscale.macro.summary import describe_errors, describe_laws
+from flexscale.macro.law_table import build_law_table
+from flexscale.macro.polar import DirectionalLaws, PolarLaw, Variant
+from flexscale.macro.summary import describe_errors, describe_laws, describe_sheet
+from flexscale.macro.tensor_law import bending
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
 
 if TYPE_CHECKING:
@@ -38,6 +40,10 @@ class MacroModel:
     laws : parameters in the sampled directions, as fitted there.
     errors : how far the fit is from its samples, and from samples held out.
     weighting : "relative" or "absolute".
+    variant : energy of a curvature tensor, "tangent" or "paper", see `tensor_law`.
+    tangent : (3, 3) N mm, stiffness C of the flat cell; "tangent" has one.
+    in_plane : (3, 3) N mm-1, energy density ½ EᵀAE for Green strain E = (E_xx, E_yy, 2 E_xy).
+    w_biaxial : N mm3, resistance to double curvature.
     n_ignored : samples of the sweep that did not converge and were ignored.
     labels : scalar coordinates of the sweep: pattern, family, sizes, materials.
     config : how the fit was made, JSON-able.
@@ -47,6 +53,10 @@ class MacroModel:
     laws: DirectionalLaws
     errors: FitErrors
     weighting: Weighting
+    variant: Variant = "paper"
+    tangent: FloatArray | None = None
+    in_plane: FloatArray | None = None
+    w_biaxial: float = 0.0
     n_ignored: int = 0
     labels: Mapping[str, float | str] = field(default_factory=dict)
     config: Mapping[str, Any] = field(default_factory=dict)
@@ -58,9 +68,15 @@ class MacroModel:
 
     @property
     def n_parameters(self) -> int:
-        """Numbers that define the model: 5 for a, which both sides share, and 14 a side."""
+        """Numbers that define the law: 5 for a, or 6 for C, which sides share, and 14 a side."""
         per_side = zip(self.polar.b, self.polar.onset, strict=True)
-        return self.polar.a.n_parameters + sum(b.n_parameters + k.n_parameters for b, k in per_side)
+        before = 6 if self.variant == "tangent" else self.polar.a.n_parameters
+        return before + sum(b.n_parameters + k.n_parameters for b, k in per_side)
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether one side was not sampled; a tensor that bends to it finds no contact there."""
+        return len(self.sides) < len(SIDES)
 
     @property
     def largest_curvature(self) -> float:
@@ -90,6 +106,58 @@ class MacroModel:
         """Energy per area [N mm-1], the integral of `moment` over the curvature."""
         return self._law(direction, side).energy(_curvatures(curvature))
 
+    def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
+        """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
+        return self._evaluate(curvature)[0]
+
+    def tensor_moment(self, curvature: ArrayLike) -> FloatArray:
+        """Moments per width (…, 2, 2) in N: derivative of `tensor_energy` by the tensor.
+
+        Where a principal curvature is at the onset, or with "paper" where both are equal, see
+        `tensor_law`.
+        """
+        grad = self._evaluate(curvature)[1]
+        xx, xy, yy = grad[..., 0], 0.5 * grad[..., 1], grad[..., 2]
+        return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+
+    def law_parameters(self) -> FloatArray:
+        """Numbers of this model for `energy` and `law` of `flexscale.macro.tensor_law`.
+
+        Raises
+        ------
+        BadInputError : the in-plane stiffness is not known.
+        """
+        if self.in_plane is None:
+            raise BadInputError(
+                "A sheet needs the in-plane stiffness of the cell, which this model does not know: "
+                "fit it again with fit(sweep, tangent=fs.tangent_stiffness(pattern))."
+            )
+        return self._table(self.in_plane)
+
+    def _table(self, in_plane: FloatArray | None) -> FloatArray:
+        return build_law_table(
+            self.polar,
+            variant=self.variant,
+            tangent=self.tangent,
+            in_plane=in_plane,
+            w_biaxial=self.w_biaxial,
+        )
+
+    def _evaluate(self, curvature: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Energies (…), and gradients (…, 3) by (b11, b12, b22)."""
+        tensors = np.asarray(curvature, dtype=float)
+        if tensors.shape[-2:] != (2, 2) or not np.isfinite(tensors).all():
+            raise UnitRangeError(
+                "A curvature tensor is a symmetric 2 by 2 matrix of finite numbers in mm-1, not "
+                f"{curvature!r}."
+            )
+        if not np.array_equal(tensors, np.swapaxes(tensors, -1, -2)):
+            raise UnitRangeError(f"Curvature tensors are symmetric, but {curvature!r} is not.")
+        forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
+        energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))
+        bending(forms, self._table(None), energies, gradients)
+        return energies.reshape(tensors.shape[:-2]), gradients.reshape(*tensors.shape[:-2], 3)
+
     def _law(self, direction: ArrayLike, side: str) -> UniaxialLaw:
         # Contact beyond the samples stays in, or the energy would jump with the direction there.
         return self.polar.law(_directions(direction), self._side(side), within=False)
@@ -100,7 +168,7 @@ class MacroModel:
         return self.sides.index(side)
 
     def to_dataset(self, recipe: Recipe | None = None) -> xr.Dataset:
-        """Dataset of kind fit/1; all of the model is in it."""
+        """Dataset of kind fit; all of the model is in it."""
         sampled, fitted = [], []
         for side in range(len(self.sides)):
             law, smooth = self.laws.law(side), self.polar.law(self.laws.directions, side)
@@ -120,6 +188,10 @@ class MacroModel:
             "n_parameters": self.n_parameters,
             "n_ignored": self.n_ignored,
             "weighting": self.weighting,
+            "variant": self.variant,
+            "tangent": _or_nan(self.tangent),
+            "in_plane": _or_nan(self.in_plane),
+            "w_biaxial": self.w_biaxial,
         }
         return build_fit_dataset(
             self.sides,
@@ -168,6 +240,10 @@ class MacroModel:
             laws=laws,
             errors=FitErrors(**{name: values[name] for name in _ERRORS}),
             weighting=values["weighting"].item(),
+            variant=values["variant"].item(),
+            tangent=_or_none(values["tangent"]),
+            in_plane=_or_none(values["in_plane"]),
+            w_biaxial=float(values["w_biaxial"]),
             n_ignored=int(values["n_ignored"]),
             labels=labels,
             config=json.loads(dataset.attrs["flexscale_config"]),
@@ -175,12 +251,16 @@ class MacroModel:
 
     def __repr__(self) -> str:
         who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()
-        head = f"MacroModel {who}: {self.n_parameters} variables, {self.weighting} weighting"
+        head = f"MacroModel {who}: energy {self.variant!r}, {self.n_parameters} variables, "
+        head += f"{self.weighting} weighting"
         lines = [
             head,
             *describe_laws(self.laws, self.polar),
+            *describe_sheet(self.in_plane, self.w_biaxial),
             *describe_errors(self.errors, self.sides),
         ]
+        for side in set(SIDES) - set(self.sides):
+            lines.append(f"  one-sided: {side} was not sampled, and counts as free of contact")
         if self.n_ignored:
             lines.append(f"  {self.n_ignored} samples that did not converge were ignored")
         return "\n".join(lines)
@@ -206,6 +286,14 @@ def _polar_of(dataset: xr.Dataset, sides: tuple[str, ...]) -> PolarLaw:
         tuple(str(item) for item in dataset["onset_quantity"].values),
         float(dataset["largest_curvature"]),
     )
+
+
+def _or_nan(matrix: FloatArray | None) -> FloatArray:
+    return np.full((3, 3), np.nan) if matrix is None else matrix
+
+
+def _or_none(matrix: FloatArray) -> FloatArray | None:
+    return None if np.isnan(matrix).all() else matrix
 
 
 def _directions(direction: ArrayLike) -> FloatArray:

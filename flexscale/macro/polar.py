@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from flexscale.macro.samples import (
     well_spread,
 )
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting, fit_uniaxial
+
+#: Energies of a curvature tensor, by name; see `tensor_law`.
+Variant = Literal["tangent", "paper"]
 
 #: Samples beyond the onset that b needs: with one, b and κ0 trade off against each other.
 LEAST_BEYOND = 2
@@ -91,11 +95,15 @@ class PolarLaw:
 
 
 def fit_directions(
-    samples: Samples, weighting: Weighting, contact: np.ndarray | None = None
+    samples: Samples,
+    weighting: Weighting,
+    stiffness: Harmonics | None = None,
+    contact: np.ndarray | None = None,
 ) -> DirectionalLaws:
     """Law of every direction with enough samples.
 
-    `contact` (s, d) bool: which lines meet contact, where known already; else decided here.
+    `stiffness`: a, where known already. `contact` (s, d) bool: which lines meet contact, where
+    known already; else decided here.
     """
     shape = (len(samples.sides), len(samples.directions))
     a, b, kappa_0 = np.full(shape[1], np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
@@ -105,7 +113,9 @@ def fit_directions(
         known = None
         if contact is not None:
             known = [side for side, yes in zip(samples.sides, contact[:, d], strict=True) if yes]
-        for side, law in (fit_uniaxial(lines, weighting, known) if lines else {}).items():
+        known_a = None if stiffness is None else float(stiffness(samples.directions[d]))
+        laws = fit_uniaxial(lines, weighting, known, known_a) if lines else {}
+        for side, law in laws.items():
             s = samples.sides.index(side)
             a[d], b[s, d], kappa_0[s, d] = law.a, law.b, law.kappa_0
             beyond = lines[side].curvature > law.kappa_0
@@ -147,19 +157,21 @@ def fit_polar(
     laws: DirectionalLaws,
     samples: Samples,
     weighting: Weighting,
+    stiffness: Harmonics | None = None,
     chosen: np.ndarray | None = None,
 ) -> PolarLaw | None:
     """Harmonics through the laws of the chosen directions, (d,) bool; all if not given.
 
-    None where these directions do not determine the harmonics. Residuals are relative to the
-    values with relative weighting: along a strip of hinges a sheet may be a hundred times softer
-    than across, and these soft directions are those it bends in.
+    `stiffness`: a, where known already; else harmonics are fitted to that of the laws. None where
+    these directions do not determine the harmonics. Residuals are relative to the values with
+    relative weighting: along a strip of hinges a sheet may be a hundred times softer than across,
+    and these soft directions are those it bends in.
     """
     chosen = np.ones(len(laws.directions), dtype=bool) if chosen is None else chosen
     known = chosen & np.isfinite(laws.a)
     if not well_spread(laws.directions[known], ORDER_B):
         return None
-    a = _positive(laws.directions[known], laws.a[known], ORDER_A, weighting)
+    a = stiffness or _positive(laws.directions[known], laws.a[known], ORDER_A, weighting)
     largest = float(samples.curvatures[-1])
     fitted = [_fit_contact(laws, s, known, largest, weighting) for s in range(len(samples.sides))]
     b, onset, quantity = zip(*fitted, strict=True)

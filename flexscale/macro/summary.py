@@ -32,6 +32,21 @@ def describe_laws(laws: DirectionalLaws, polar: PolarLaw) -> list[str]:
     return lines
 
 
+def describe_sheet(in_plane: FloatArray | None, w_biaxial: float) -> list[str]:
+    """In-plane stiffness, if known, and resistance to double curvature."""
+    if in_plane is None:
+        return ["  in plane not known: no tangent was given"]
+    names = ("xxxx", "yyyy", "xxyy", "xyxy", "xxxy", "yyxy")
+    places = ((0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2))
+    floor = 1e-6 * np.abs(in_plane).max()  # below are roundings of what symmetry makes 0
+    shown = [
+        f"{name} {in_plane[place]:.4g}"
+        for name, place in zip(names, places, strict=True)
+        if abs(in_plane[place]) > floor
+    ]
+    return [f"  in plane {', '.join(shown)} N mm-1;  w_biaxial {w_biaxial:.4g} N mm3"]
+
+
 def describe_errors(errors: FitErrors, sides: tuple[str, ...]) -> list[str]:
     """Relative moment errors over all directions, one line per assessment."""
     lines = ["  moment error [%], median / 95 % of the samples / worst"]

@@ -151,6 +151,7 @@ def fit_uniaxial(
     lines: Mapping[str, Line],
     weighting: Weighting = "relative",
     contact_sides: Sequence[str] | None = None,
+    a: float | None = None,
 ) -> dict[str, UniaxialLaw]:
     """Laws of the sides of one direction, with one a.
 
@@ -161,15 +162,16 @@ def fit_uniaxial(
     contact_sides : sides known to meet contact; decided here if not given. Where contact was
         measured, a side has κ0 if scales touch and stiffen it; elsewhere if a kink with
         b >= LEAST_STIFFENING a explains the curve far better than a straight line.
+    a : N mm, where known already; else it is fitted.
     """
     weighted = {side: _WeightedLine(line, weighting) for side, line in lines.items()}
     if contact_sides is not None:
-        best = _search(weighted, set(contact_sides))
+        best = _search(weighted, set(contact_sides), a)
     else:
         allowed = {side for side, line in lines.items() if line.touches is not False}
-        best = _search(weighted, allowed)
+        best = _search(weighted, allowed, a)
         for side in sorted(allowed):
-            without = _search(weighted, allowed - {side})
+            without = _search(weighted, allowed - {side}, a)
             if not _is_contact(lines[side], best, without, list(lines).index(side)):
                 allowed, best = allowed - {side}, without
     laws = {}
@@ -192,26 +194,28 @@ def _is_contact(line: Line, best: _Fit, without: _Fit, position: int) -> bool:
     return bool(stiff and gain > 2.0 * np.log(count) + LEAST_EVIDENCE)
 
 
-def _search(lines: Mapping[str, _WeightedLine], contact_sides: set[str]) -> _Fit:
-    """Best laws with c >= 0, and c = 0 for the sides not in `contact_sides`."""
+def _search(lines: Mapping[str, _WeightedLine], contact_sides: set[str], a: float | None) -> _Fit:
+    """Best laws with c >= 0, and c = 0 for the sides not in `contact_sides`; `a` if known."""
     none = np.array([np.inf])
     grids = [
         np.concatenate([line.candidates(), none]) if side in contact_sides else none
         for side, line in lines.items()
     ]
-    best = _best_of(lines, grids)
+    best = _best_of(lines, grids, a)
     widths = [np.diff(line.kappa, prepend=0.0).max() / _PER_INTERVAL for line in lines.values()]
     for _ in range(_ROUNDS):
         grids = []
         for line, onset, width in zip(lines.values(), best.onsets, widths, strict=True):
             near = np.clip(onset + np.linspace(-width, width, 21), 0.0, line.latest())
             grids.append(np.append(near, onset) if np.isfinite(onset) else none)
-        best = min(best, _best_of(lines, grids), key=lambda fit: fit.rss)
+        best = min(best, _best_of(lines, grids, a), key=lambda fit: fit.rss)
         widths = [width / 10.0 for width in widths]
     return best
 
 
-def _best_of(lines: Mapping[str, _WeightedLine], grids: Sequence[FloatArray]) -> _Fit:
+def _best_of(
+    lines: Mapping[str, _WeightedLine], grids: Sequence[FloatArray], known_a: float | None
+) -> _Fit:
     """Best combination of one κ0 per side; combinations with a <= 0 or c < 0 do not count."""
     reduced = []
     for position, (line, grid) in enumerate(zip(lines.values(), grids, strict=True)):
@@ -220,13 +224,17 @@ def _best_of(lines: Mapping[str, _WeightedLine], grids: Sequence[FloatArray]) ->
         reduced.append(line.reduced(grid).reshape(shape))
     zero = np.zeros([1] * len(grids))
     alpha, beta, gamma = (sum((part[row] for part in reduced), start=zero) for row in range(3))
-    whole = sum(line.a_column @ line.a_column for line in lines.values())
-    known = alpha > 1e-12 * whole
-    a = beta / np.where(known, alpha, 1.0)
-    fine = known & (a > 0.0)
+    if known_a is None:
+        whole = sum(line.a_column @ line.a_column for line in lines.values())
+        known = alpha > 1e-12 * whole
+        a = beta / np.where(known, alpha, 1.0)
+        fine = known & (a > 0.0)
+    else:
+        a = np.full(alpha.shape, known_a)
+        fine = np.full(alpha.shape, True)
     for part in reduced:
         fine = fine & (part[3] - a * part[4] >= 0.0)
-    rss = np.where(fine, gamma - beta * a, np.inf)
+    rss = np.where(fine, gamma - 2.0 * beta * a + alpha * a**2, np.inf)
     where = np.unravel_index(int(np.argmin(rss)), rss.shape)
     onsets = tuple(float(grid[index]) for grid, index in zip(grids, where, strict=True))
     best = float(a[where])

@@ -63,7 +63,7 @@ def fit(
 
     Parameters
     ----------
-    model : dataset of kind fit/1, as from `MacroModel.to_dataset`.
+    model : dataset of kind fit, as from `MacroModel.to_dataset`.
     sweep : the sweep it was fitted to; with it, energy and moment over curvature are drawn below.
     direction : degree, of these curves; the one that makes contact first if not given.
 

@@ -114,9 +114,11 @@ class ShapeParameters(NativeParameters):
 
 
 class FitParameters(Parameters):
-    """Also how samples are weighed: "relative" or "absolute"."""
+    """Also how samples are weighed, the energy by name, and w_biaxial (N mm3, None: default)."""
 
     weighting: Literal["relative", "absolute"]
+    variant: Literal["tangent", "paper"]
+    w_biaxial: float | None
 
 
 @dataclass(frozen=True)
@@ -157,9 +159,9 @@ STEPS: dict[str, Step] = {
     step.name: step
     for step in (
         Step("cell", 1, CellParameters),
-        Step("tangent", 1, TangentParameters, inputs=("cell",)),
+        Step("tangent", 2, TangentParameters, inputs=("cell",)),
         Step("sweep", 1, SweepParameters, inputs=("cell",), parallel=True),
         Step("shape", 1, ShapeParameters, inputs=("cell",)),
-        Step("fit", 1, FitParameters, inputs=("sweep",)),
+        Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
     )
 }

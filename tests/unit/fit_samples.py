@@ -9,6 +9,9 @@ import xarray as xr
 
 from flexscale.datasets.build import build_sweep_dataset
 from flexscale.datasets.fit_values import two_regime_energy, two_regime_moment
+from flexscale.homogenize.tangent import TangentStiffness
+from flexscale.macro import MacroModel, fit
+from flexscale.macro.uniaxial import Weighting
 
 Function = Callable[[np.ndarray], np.ndarray]
 DIRECTIONS = np.arange(0.0, 180.0, 15.0)
@@ -28,6 +31,18 @@ def b_of(directions: np.ndarray) -> np.ndarray:
 def kappa_0_of(directions: np.ndarray) -> np.ndarray:
     angle = np.deg2rad(directions)
     return 0.0102 + 0.0015 * np.cos(6.0 * angle) + 0.0008 * np.sin(2.0 * angle)
+
+
+def tangent() -> TangentStiffness:
+    """A flat cell whose stiffness is `a_of`, with strong coupling and some in-plane stiffness."""
+    # a's five numbers fix C but for the share of C_xyxy in what C_xxyy and C_xyxy make together.
+    matrix = np.array([[80.0, -20.0, 8.0], [-20.0, 40.0, -8.0], [8.0, -8.0, 40.0]])
+    return TangentStiffness(matrix, np.diag([300.0, 250.0, 60.0]) + 30.0)
+
+
+def fit_law(sweep: xr.Dataset, weighting: Weighting = "relative") -> MacroModel:
+    """Fit of all parameters, a among them, to a sweep that says nothing of its cell."""
+    return fit(sweep, variant="paper", weighting=weighting)
 
 
 def no_contact(directions: np.ndarray) -> np.ndarray:

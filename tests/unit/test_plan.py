@@ -84,7 +84,7 @@ def test_fit_comes_from_the_sweep_and_its_figures_from_both() -> None:
     plan = plan_of(content)
     for job in plan:
         if job.step == "fit":
-            assert [plan[needed].step for needed in job.inputs] == ["sweep"]
+            assert [plan[needed].step for needed in job.inputs] == ["sweep", "tangent"]
         if job.step == "figure":
             assert [plan[needed].step for needed in job.inputs] == ["fit", "sweep"]
             assert plan.needed_for(job).jobs[-1].step == "fit"

@@ -16,6 +16,7 @@ from tests.unit.fit_samples import (
     DIRECTIONS,
     a_of,
     b_of,
+    fit_law,
     kappa_0_of,
     law_sweep,
     no_contact,
@@ -30,7 +31,7 @@ def sweep() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def model(sweep: xr.Dataset) -> xr.Dataset:
-    return fs.fit(sweep).to_dataset()
+    return fit_law(sweep).to_dataset()
 
 
 def lines(axes: object, color: str, *, label: str | None = None) -> list[np.ndarray]:
@@ -84,7 +85,7 @@ def test_without_a_sweep_only_parameters(model: xr.Dataset) -> None:
 
 
 def test_no_contact_is_said() -> None:
-    model = fs.fit(law_sweep(closing=no_contact)).to_dataset()
+    model = fit_law(law_sweep(closing=no_contact)).to_dataset()
     titles = [axes.get_title() for axes in fs.plot.fit(model).axes]
     assert "no contact" not in titles[0]
     assert all("no contact" in title for title in titles[1:])

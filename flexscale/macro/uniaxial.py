@@ -70,14 +70,14 @@ class Line:
     Attributes
     ----------
     curvature, energy, moment : (n,) mm-1, N mm-1, N; curvatures positive and increasing.
-    touches : whether scales touch in any sample; None where contact was not measured, so that the
-        curve alone decides.
+    free_until : mm-1, scales do not touch up to here, inf if they never do; None where contact was
+        not measured, so that the curve alone decides.
     """
 
     curvature: FloatArray
     energy: FloatArray
     moment: FloatArray
-    touches: bool | None = None
+    free_until: float | None = None
 
     def weights(self, weighting: Weighting) -> FloatArray:
         """(2 n,) factors of the residuals of energy and moment.
@@ -111,6 +111,7 @@ class _WeightedLine:
 
     def __init__(self, line: Line, weighting: Weighting) -> None:
         self.kappa = line.curvature
+        self.free_until = line.free_until or 0.0
         self.weights = line.weights(weighting)
         self.data = np.concatenate([line.energy, line.moment]) * self.weights
         self.a_column = np.concatenate([self.kappa**2 / 2.0, self.kappa]) * self.weights
@@ -120,11 +121,16 @@ class _WeightedLine:
         return np.hstack([beyond**2 / 2.0, beyond]) * self.weights
 
     def candidates(self) -> FloatArray:
-        """Candidates for κ0, from 0 to just before the last sample."""
+        """Candidates for κ0: where scales may begin to touch, to just before the last sample."""
         steps = np.diff(self.kappa, prepend=0.0)
         shares = (np.arange(_PER_INTERVAL) + 0.5) / _PER_INTERVAL
         grid = (self.kappa - steps)[:, None] + steps[:, None] * shares
-        return np.minimum(grid.ravel(), self.latest())
+        return self.within(grid.ravel())
+
+    def within(self, onsets: FloatArray) -> FloatArray:
+        """Onsets moved to where κ0 may be."""
+        latest = self.latest()
+        return np.clip(onsets, min(self.free_until, latest), latest)
 
     def latest(self) -> float:
         before = self.kappa[-2] if len(self.kappa) > 1 else 0.0
@@ -168,7 +174,7 @@ def fit_uniaxial(
     if contact_sides is not None:
         best = _search(weighted, set(contact_sides), a)
     else:
-        allowed = {side for side, line in lines.items() if line.touches is not False}
+        allowed = {side for side, line in lines.items() if line.free_until != np.inf}
         best = _search(weighted, allowed, a)
         for side in sorted(allowed):
             without = _search(weighted, allowed - {side}, a)
@@ -185,7 +191,7 @@ def fit_uniaxial(
 def _is_contact(line: Line, best: _Fit, without: _Fit, position: int) -> bool:
     if not np.isfinite(best.onsets[position]):
         return False
-    if line.touches:
+    if line.free_until is not None:
         return True
     count = 2 * len(line.curvature)
     rounding = count * _ROUNDING**2
@@ -206,7 +212,7 @@ def _search(lines: Mapping[str, _WeightedLine], contact_sides: set[str], a: floa
     for _ in range(_ROUNDS):
         grids = []
         for line, onset, width in zip(lines.values(), best.onsets, widths, strict=True):
-            near = np.clip(onset + np.linspace(-width, width, 21), 0.0, line.latest())
+            near = line.within(onset + np.linspace(-width, width, 21))
             grids.append(np.append(near, onset) if np.isfinite(onset) else none)
         best = min(best, _best_of(lines, grids, a), key=lambda fit: fit.rss)
         widths = [width / 10.0 for width in widths]

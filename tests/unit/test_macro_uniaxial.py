@@ -10,9 +10,9 @@ from flexscale.macro.uniaxial import WEIGHTINGS, Line, UniaxialLaw, Weighting, f
 KAPPA = np.linspace(0.0025, 0.02, 8)
 
 
-def line(law: UniaxialLaw, *, noise: float = 0.0, touches: bool | None = None) -> Line:
+def line(law: UniaxialLaw, *, noise: float = 0.0, free_until: float | None = None) -> Line:
     scatter = 1.0 + noise * np.random.default_rng(3).standard_normal((2, len(KAPPA)))
-    return Line(KAPPA, law.energy(KAPPA) * scatter[0], law.moment(KAPPA) * scatter[1], touches)
+    return Line(KAPPA, law.energy(KAPPA) * scatter[0], law.moment(KAPPA) * scatter[1], free_until)
 
 
 def straight(a: float) -> UniaxialLaw:
@@ -85,9 +85,9 @@ def test_noise_moves_the_onset_little() -> None:
 def test_measured_contact_decides_where_there_is_some() -> None:
     gentle = UniaxialLaw(60.0, 64.0, 0.0101)
     assert not fit_uniaxial({"closing": line(gentle)})["closing"].has_contact
-    assert fit_uniaxial({"closing": line(gentle, touches=True)})["closing"].has_contact
+    assert fit_uniaxial({"closing": line(gentle, free_until=0.0)})["closing"].has_contact
     stiff = UniaxialLaw(60.0, 600.0, 0.0101)
-    assert not fit_uniaxial({"closing": line(stiff, touches=False)})["closing"].has_contact
+    assert not fit_uniaxial({"closing": line(stiff, free_until=np.inf)})["closing"].has_contact
 
 
 def test_relative_weighting_keeps_small_curvatures() -> None:
@@ -103,3 +103,20 @@ def test_relative_weighting_keeps_small_curvatures() -> None:
         error = np.abs(law.moment(KAPPA) / moment - 1.0)
         off[weighting] = float(np.median(error))
     assert off["relative"] < 0.08 < off["absolute"]
+
+
+def test_onset_is_not_before_scales_touch() -> None:
+    """A kink in the free sheet, as of one side softer than the other, is not taken for contact."""
+    law = UniaxialLaw(60.0, 90.0, 0.004)
+    early = fit_uniaxial({"closing": line(law)})["closing"]
+    assert early.kappa_0 == pytest.approx(0.004, rel=1e-4)
+    known = fit_uniaxial({"closing": line(law, free_until=0.01)})["closing"]
+    assert known.kappa_0 >= 0.01
+
+
+def test_known_stiffness_is_kept() -> None:
+    law = UniaxialLaw(60.0, 400.0, 0.01)
+    fitted = fit_uniaxial({"closing": line(law), "opening": line(law)}, a=58.0)
+    for side in ("closing", "opening"):
+        assert fitted[side].a == 58.0
+        assert fitted[side].b == pytest.approx(400.0, rel=0.05)

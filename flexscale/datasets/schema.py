@@ -377,6 +377,7 @@ FIT = Schema(
         _matrix("tangent", "N mm", f"{_BENDING}, nan if not known"),
         _matrix("in_plane", "N mm-1", f"{_IN_PLANE}, nan if not known"),
         _mesh("w_biaxial", "", "float64", "energy density 1/2 w det(k)^2", "N mm3"),
+        _mesh("softening", "", "float64", "s: energy E before contact is log(1 + s E)/s", "mm N-1"),
     ),
 )
 

@@ -11,6 +11,7 @@ from flexscale.datasets.schema import SCALARS, VARIANTS
 from flexscale.errors import BadInputError, UnknownNameError, suggest
 from flexscale.macro.assessment import assess
 from flexscale.macro.biaxial import choose_w_biaxial
+from flexscale.macro.flat_response import FlatResponse, fit_softening
 from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.model import MacroModel
 from flexscale.macro.polar import Variant, fit_directions, fit_polar, require_visible_onset
@@ -46,9 +47,9 @@ def fit(
         `n_ignored` and a warning in the log say how many. Directions filled by symmetry count.
     tangent : stiffness of the sweep's flat cell, from `tangent_stiffness` or a dataset of kind
         tangent. If not given it is computed from the sweep's recipe, in seconds.
-    variant : energy of a curvature tensor, see `tensor_law`. "tangent" takes what comes before
-        contact from the flat cell: a is C : nnnn, and b and κ0 are fitted. "paper" [Eq. 12] fits a
-        as well; it needs no tangent, but without one a sheet has no in-plane stiffness.
+    variant : energy of a curvature tensor, see `tensor_law`. "tangent" takes a from the flat cell,
+        C : nnnn, and fits b, κ0 and one softening. "paper" [Eq. 12] fits a, b and κ0; it needs no
+        tangent, but without one a sheet has no in-plane stiffness.
     weighting : "relative" weighs every sample by its own size, so that small curvatures and soft
         directions count as much as large ones; "absolute", as in the paper, by the largest.
     w_biaxial : N mm3, resistance to double curvature [Eq. 13]; see `biaxial` for its default.
@@ -74,19 +75,22 @@ def fit(
             samples.energy.size,
         )
     matrix, in_plane = _rest_stiffness(sweep, tangent, variant)
-    stiffness = None
+    flat = None
     if matrix is not None:
-        require_same_cell(stiffness_harmonics(matrix), samples)
-        stiffness = stiffness_harmonics(matrix) if variant == "tangent" else None
-    laws = fit_directions(samples, weighting, stiffness)
+        stiffness = stiffness_harmonics(matrix)
+        require_same_cell(stiffness, samples)
+        if variant == "tangent":
+            first = fit_directions(samples, weighting, FlatResponse(stiffness))
+            flat = fit_softening(samples, stiffness, first.kappa_0)
+    laws = fit_directions(samples, weighting, flat)
     require_visible_onset(laws, samples)
-    polar = fit_polar(laws, samples, weighting, stiffness)
+    polar = fit_polar(laws, samples, weighting, flat)
     assert polar is not None  # read_samples saw to it that the directions suffice
     labels = _labels(sweep)
     return MacroModel(
         polar=polar,
         laws=laws,
-        errors=assess(samples, laws, polar, weighting, stiffness),
+        errors=assess(samples, laws, polar, weighting, flat),
         weighting=weighting,
         variant=variant,
         tangent=matrix,

@@ -18,6 +18,7 @@ from flexscale.macro.tensor_law import (
     N_TABLE,
     OPENING,
     OWN,
+    SOFTENING,
     TANGENT,
     A,
 )
@@ -41,7 +42,7 @@ def build_law_table(
     in_plane: FloatArray | None,
     w_biaxial: float,
 ) -> FloatArray:
-    """Table (58,) of a macro law.
+    """Table (59,) of a macro law.
 
     Parameters
     ----------
@@ -58,6 +59,7 @@ def build_law_table(
         assert tangent is not None  # a model of this variant has one
         table[TANGENT : TANGENT + 6] = tangent[_UPPER]
         table[ETA2] = ETA**2
+        table[SOFTENING] = polar.softening
     else:
         table[OWN] = 1.0
         table[DELTA2] = DELTA**2

@@ -68,9 +68,9 @@ class MacroModel:
 
     @property
     def n_parameters(self) -> int:
-        """Numbers that define the law: 5 for a, or 6 for C, which sides share, and 14 a side."""
+        """Numbers that define the law: 5 for a, or 6 for C and one softening, and 14 a side."""
         per_side = zip(self.polar.b, self.polar.onset, strict=True)
-        before = 6 if self.variant == "tangent" else self.polar.a.n_parameters
+        before = 7 if self.variant == "tangent" else self.polar.a.n_parameters
         return before + sum(b.n_parameters + k.n_parameters for b, k in per_side)
 
     @property
@@ -84,14 +84,14 @@ class MacroModel:
         return self.polar.largest_curvature
 
     def parameters(self, direction: ArrayLike, side: str = "closing") -> UniaxialLaw:
-        """a, b [N mm] and kappa_0 [mm-1] in directions (degree).
+        """a, b [N mm], kappa_0 [mm-1] and softening [mm N-1] in directions (degree).
 
         b and kappa_0 are nan where no contact was seen up to the largest curvature of the sweep.
         Numbers for one direction, arrays for several.
         """
         law = self.polar.law(_directions(direction), self._side(side))
         if np.ndim(direction) == 0:
-            return UniaxialLaw(float(law.a), float(law.b), float(law.kappa_0))
+            return UniaxialLaw(float(law.a), float(law.b), float(law.kappa_0), law.softening)
         return law
 
     def moment(
@@ -192,6 +192,7 @@ class MacroModel:
             "tangent": _or_nan(self.tangent),
             "in_plane": _or_nan(self.in_plane),
             "w_biaxial": self.w_biaxial,
+            "softening": self.polar.softening,
         }
         return build_fit_dataset(
             self.sides,
@@ -233,6 +234,7 @@ class MacroModel:
             directional[:, 2],
             values["samples_before"],
             values["samples_beyond"],
+            float(values["softening"]),
         )
         labels = {item.name: values[item.name].item() for item in SCALARS if item.name in values}
         return cls(
@@ -285,6 +287,7 @@ def _polar_of(dataset: xr.Dataset, sides: tuple[str, ...]) -> PolarLaw:
         tuple(found["kappa_0"]),
         tuple(str(item) for item in dataset["onset_quantity"].values),
         float(dataset["largest_curvature"]),
+        float(dataset["softening"]),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray, onset_curvature
 from flexscale.errors import BadInputError
+from flexscale.macro.flat_response import FlatResponse
 from flexscale.macro.harmonics import FLOOR_SHARE, Harmonics, fit_harmonics
 from flexscale.macro.samples import (
     ORDER_A,
@@ -40,6 +41,7 @@ class DirectionalLaws:
     a : (d,) N mm, shared by the sides; nan where a direction has too few samples.
     b, kappa_0 : (s, d) N mm, mm-1; nan without contact.
     n_before, n_beyond : (s, d) number of samples up to and beyond the onset, or all and 0.
+    softening : mm N-1, of all directions.
     """
 
     directions: FloatArray
@@ -48,6 +50,7 @@ class DirectionalLaws:
     kappa_0: FloatArray
     n_before: np.ndarray
     n_beyond: np.ndarray
+    softening: float = 0.0
 
     @property
     def sampled(self) -> np.ndarray:
@@ -57,7 +60,7 @@ class DirectionalLaws:
     def law(self, side: int) -> UniaxialLaw:
         """Laws of a side (by index) in all sampled directions, (d,) each."""
         a = np.where(self.sampled[side], self.a, np.nan)
-        return UniaxialLaw(a, self.b[side], self.kappa_0[side])
+        return UniaxialLaw(a, self.b[side], self.kappa_0[side], self.softening)
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,7 @@ class PolarLaw:
         contact occurs in every direction; "1/kappa_0" [mm] where it is missing in part of the
         circle (0 or less means no contact); "none" where there is no contact at all.
     largest_curvature : mm-1, of the samples; contact beyond it was not seen.
+    softening : mm N-1, of all directions, see `two_regime_moment`.
     """
 
     sides: tuple[str, ...]
@@ -81,6 +85,7 @@ class PolarLaw:
     onset: tuple[Harmonics, ...]
     onset_quantity: tuple[str, ...]
     largest_curvature: float
+    softening: float = 0.0
 
     def law(self, directions: FloatArray, side: int, *, within: bool = True) -> UniaxialLaw:
         """Laws of a side (by index) in any directions (degree).
@@ -91,19 +96,19 @@ class PolarLaw:
         largest = self.largest_curvature if within else np.inf
         kappa_0 = onset_curvature(self.onset_quantity[side], self.onset[side](directions), largest)
         b = np.where(np.isnan(kappa_0), np.nan, self.b[side](directions))
-        return UniaxialLaw(self.a(directions), b, kappa_0)
+        return UniaxialLaw(self.a(directions), b, kappa_0, self.softening)
 
 
 def fit_directions(
     samples: Samples,
     weighting: Weighting,
-    stiffness: Harmonics | None = None,
+    flat: FlatResponse | None = None,
     contact: np.ndarray | None = None,
 ) -> DirectionalLaws:
     """Law of every direction with enough samples.
 
-    `stiffness`: a, where known already. `contact` (s, d) bool: which lines meet contact, where
-    known already; else decided here.
+    `flat`: response without contact, where known already. `contact` (s, d) bool: which lines meet
+    contact, where known already; else decided here.
     """
     shape = (len(samples.sides), len(samples.directions))
     a, b, kappa_0 = np.full(shape[1], np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
@@ -113,15 +118,16 @@ def fit_directions(
         known = None
         if contact is not None:
             known = [side for side, yes in zip(samples.sides, contact[:, d], strict=True) if yes]
-        known_a = None if stiffness is None else float(stiffness(samples.directions[d]))
-        laws = fit_uniaxial(lines, weighting, known, known_a) if lines else {}
+        before = None if flat is None else flat.law(samples.directions[d])
+        laws = fit_uniaxial(lines, weighting, known, before) if lines else {}
         for side, law in laws.items():
             s = samples.sides.index(side)
             a[d], b[s, d], kappa_0[s, d] = law.a, law.b, law.kappa_0
             beyond = lines[side].curvature > law.kappa_0
             n_beyond[s, d] = np.count_nonzero(beyond)
             n_before[s, d] = np.count_nonzero(~beyond)
-    return DirectionalLaws(samples.directions, a, b, kappa_0, n_before, n_beyond)
+    softening = 0.0 if flat is None else flat.softening
+    return DirectionalLaws(samples.directions, a, b, kappa_0, n_before, n_beyond, softening)
 
 
 def require_visible_onset(laws: DirectionalLaws, samples: Samples) -> None:
@@ -157,13 +163,13 @@ def fit_polar(
     laws: DirectionalLaws,
     samples: Samples,
     weighting: Weighting,
-    stiffness: Harmonics | None = None,
+    flat: FlatResponse | None = None,
     chosen: np.ndarray | None = None,
 ) -> PolarLaw | None:
     """Harmonics through the laws of the chosen directions, (d,) bool; all if not given.
 
-    `stiffness`: a, where known already; else harmonics are fitted to that of the laws. None where
-    these directions do not determine the harmonics. Residuals are relative to the values with
+    `flat`: response without contact, where known already; else harmonics are fitted to a. None
+    where these directions do not determine the harmonics. Residuals are relative to the values with
     relative weighting: along a strip of hinges a sheet may be a hundred times softer than across,
     and these soft directions are those it bends in.
     """
@@ -171,11 +177,14 @@ def fit_polar(
     known = chosen & np.isfinite(laws.a)
     if not well_spread(laws.directions[known], ORDER_B):
         return None
-    a = stiffness or _positive(laws.directions[known], laws.a[known], ORDER_A, weighting)
+    if flat is None:
+        a = _positive(laws.directions[known], laws.a[known], ORDER_A, weighting)
+    else:
+        a = flat.stiffness
     largest = float(samples.curvatures[-1])
     fitted = [_fit_contact(laws, s, known, largest, weighting) for s in range(len(samples.sides))]
     b, onset, quantity = zip(*fitted, strict=True)
-    return PolarLaw(samples.sides, a, b, onset, quantity, largest)
+    return PolarLaw(samples.sides, a, b, onset, quantity, largest, laws.softening)
 
 
 def _fit_contact(

@@ -13,6 +13,8 @@ from flexscale.macro.polar import DirectionalLaws, PolarLaw
 def describe_laws(laws: DirectionalLaws, polar: PolarLaw) -> list[str]:
     """Ranges of the parameters over the sampled directions, one line for a and one per side."""
     lines = [f"  a        {_span(laws.a)} N mm in {len(laws.directions)} directions"]
+    if laws.softening > 0.0:
+        lines[0] += f", halved at an energy of {1.0 / laws.softening:.3g} N mm-1"
     for index, side in enumerate(polar.sides):
         law = laws.law(index)
         seen = int(np.count_nonzero(law.has_contact))

@@ -4,9 +4,10 @@ The state of a point is e = a − I and b [mm-1], first and second fundamental f
 coordinates as (11, 12, 22); b > 0 closes. With strain E = (e11/2, e22/2, e12), curvature k = (b11,
 b22, 2 b12), principal curvatures κ_j and directions u_j of `principal`
 
-    W = ½ E·A E + ½ k·C k + Σ_j [own/2 a κ_j² + (b − a)/2 (|κ_j| − κ0)₊²] + ½ w det(b)²,
+    W = ½ E·A E + g(½ k·C k) + Σ_j [own/2 a κ_j² + (b − a)/2 (|κ_j| − κ0)₊²] + ½ w det(b)²,
 
-a, b and κ0 at u_j and on the side to which κ_j bends [Eqs. 12, 13; St. Venant-Kirchhoff in plane].
+g(x) = log(1 + s x)/s with the softening s of `flat_response`; a, b and κ0 at u_j and on the side to
+which κ_j bends [Eqs. 12, 13; St. Venant-Kirchhoff in plane].
 Two energies by name, told apart by numbers alone:
 
 - "paper" (Eq. 12): C = 0, own = 1, η = 0. Where κ1 = κ2 ≠ 0 it depends on the direction from which
@@ -27,29 +28,21 @@ from flexscale.datasets.fit_values import FloatArray
 from flexscale.macro.directional_law import directional_energy
 from flexscale.macro.principal import TO_INVARIANTS, principal_direction, smooth_radius
 
-#: Where a table holds A and C (11, 12, 13, 22, 23, 33), w, own share, η², δ², harmonics of a, and
-#: of each side those of b, what the onset's harmonics are of, and these.
-IN_PLANE, TANGENT, BIAXIAL, OWN, ETA2, DELTA2, A, CLOSING, OPENING = (
-    0,
-    6,
-    12,
-    13,
-    14,
-    15,
-    16,
-    24,
-    41,
-)
-N_TABLE = 58
+#: Where a table holds A and C (11, 12, 13, 22, 23, 33), w, own share, η², δ², s, harmonics of a,
+#: and of each side those of b, what the onset's harmonics are of, and these.
+IN_PLANE, TANGENT, BIAXIAL, OWN, ETA2, DELTA2, SOFTENING = 0, 6, 12, 13, 14, 15, 16
+A, CLOSING, OPENING, N_TABLE = 17, 25, 42, 59
 _B, _ONSET = 0, 8
 
 
 @njit(cache=True)
 def energy(e: FloatArray, b: FloatArray, parameters: FloatArray) -> float:
-    """Energy per rest area [N mm-1]; e, b (3,), parameters a table (58,)."""
+    """Energy per rest area [N mm-1]; e, b (3,), parameters a table (59,)."""
     strain, curvature = (0.5 * e[0], 0.5 * e[2], e[1]), (b[0], b[2], 2.0 * b[1])
     det = b[0] * b[2] - b[1] * b[1]
-    value = _quadratic(parameters, IN_PLANE, strain) + _quadratic(parameters, TANGENT, curvature)
+    value = _quadratic(parameters, IN_PLANE, strain)
+    bent, softening = _quadratic(parameters, TANGENT, curvature), parameters[SOFTENING]
+    value += np.log1p(softening * bent) / softening if softening > 0.0 else bent
     value += 0.5 * parameters[BIAXIAL] * det * det
     radius_jet, y, y_jet, jet = np.empty((4, 3)), np.empty(3), np.empty((3, 4, 3)), np.empty((4, 3))
     radius = smooth_radius(b, parameters[ETA2], parameters[DELTA2], radius_jet)
@@ -74,6 +67,7 @@ def law(
     strain, curvature = (0.5 * e[0], 0.5 * e[2], e[1]), (b[0], b[2], 2.0 * b[1])
     _add_quadratic(parameters, IN_PLANE, strain, (0.5, 0.5, 1.0), 0, grad, hess)
     _add_quadratic(parameters, TANGENT, curvature, (1.0, 1.0, 2.0), 3, grad, hess)
+    _soften(parameters[SOFTENING], _quadratic(parameters, TANGENT, curvature), grad, hess)
     _add_biaxial(parameters[BIAXIAL], b, grad, hess)
     radius_jet, y, y_jet, jet = np.empty((4, 3)), np.empty(3), np.empty((3, 4, 3)), np.empty((4, 3))
     radius = smooth_radius(b, parameters[ETA2], parameters[DELTA2], radius_jet)
@@ -136,6 +130,18 @@ def _add_quadratic(
             grad[first + order[i]] += stiffness * x[j]
             if hess.shape[0] > 0:
                 hess[first + order[i], first + order[j]] += stiffness * scale[j]
+
+
+@njit(cache=True)
+def _soften(softening: float, bent: float, grad: FloatArray, hess: FloatArray) -> None:
+    """From the derivatives of ½ k·C k by b, alone there so far, to those of g of it."""
+    rate = 1.0 / (1.0 + softening * bent)
+    if hess.shape[0] > 0:
+        for i in range(3, 6):
+            for j in range(3, 6):
+                hess[i, j] = rate * (hess[i, j] - softening * rate * grad[i] * grad[j])
+    for i in range(3, 6):
+        grad[i] *= rate
 
 
 @njit(cache=True)

@@ -42,11 +42,13 @@ class UniaxialLaw:
     a : N mm, stiffness before contact.
     b : N mm, stiffness after contact; nan without contact.
     kappa_0 : mm-1, contact curvature; nan means none: contact was not seen.
+    softening : mm N-1, see `two_regime_moment`.
     """
 
     a: float | FloatArray
     b: float | FloatArray
     kappa_0: float | FloatArray
+    softening: float = 0.0
 
     @property
     def has_contact(self) -> bool | np.ndarray:
@@ -56,11 +58,11 @@ class UniaxialLaw:
 
     def moment(self, curvature: ArrayLike) -> FloatArray:
         """Moment per width [N] at curvatures [mm-1], non-negative."""
-        return two_regime_moment(curvature, self.a, self.b, self.kappa_0)
+        return two_regime_moment(curvature, self.a, self.b, self.kappa_0, self.softening)
 
     def energy(self, curvature: ArrayLike) -> FloatArray:
         """Energy per area [N mm-1] at curvatures [mm-1], non-negative."""
-        return two_regime_energy(curvature, self.a, self.b, self.kappa_0)
+        return two_regime_energy(curvature, self.a, self.b, self.kappa_0, self.softening)
 
 
 @dataclass(frozen=True)
@@ -109,12 +111,16 @@ class _Fit:
 class _WeightedLine:
     """A line's weighted data vector, with what elimination of c leaves for each κ0."""
 
-    def __init__(self, line: Line, weighting: Weighting) -> None:
+    def __init__(self, line: Line, weighting: Weighting, known: UniaxialLaw | None) -> None:
         self.kappa = line.curvature
         self.free_until = line.free_until or 0.0
         self.weights = line.weights(weighting)
         self.data = np.concatenate([line.energy, line.moment]) * self.weights
-        self.a_column = np.concatenate([self.kappa**2 / 2.0, self.kappa]) * self.weights
+        before = known or UniaxialLaw(
+            1.0, np.nan, np.nan
+        )  # the a-th part of what is before contact
+        columns = [before.energy(self.kappa), before.moment(self.kappa)]
+        self.a_column = np.concatenate(columns) / before.a * self.weights
 
     def c_columns(self, onsets: FloatArray) -> FloatArray:
         beyond = np.maximum(self.kappa - onsets[:, None], 0.0)
@@ -157,7 +163,7 @@ def fit_uniaxial(
     lines: Mapping[str, Line],
     weighting: Weighting = "relative",
     contact_sides: Sequence[str] | None = None,
-    a: float | None = None,
+    known: UniaxialLaw | None = None,
 ) -> dict[str, UniaxialLaw]:
     """Laws of the sides of one direction, with one a.
 
@@ -168,9 +174,10 @@ def fit_uniaxial(
     contact_sides : sides known to meet contact; decided here if not given. Where contact was
         measured, a side has κ0 if scales touch and stiffen it; elsewhere if a kink with
         b >= LEAST_STIFFENING a explains the curve far better than a straight line.
-    a : N mm, where known already; else it is fitted.
+    known : response without contact (a and softening), where known already; else a is fitted.
     """
-    weighted = {side: _WeightedLine(line, weighting) for side, line in lines.items()}
+    weighted = {side: _WeightedLine(line, weighting, known) for side, line in lines.items()}
+    a = None if known is None else float(known.a)
     if contact_sides is not None:
         best = _search(weighted, set(contact_sides), a)
     else:
@@ -184,7 +191,8 @@ def fit_uniaxial(
     for side, added, onset in zip(lines, best.added, best.onsets, strict=True):
         contact = np.isfinite(onset)
         b, kappa_0 = (best.a + added, onset) if contact else (np.nan, np.nan)
-        laws[side] = UniaxialLaw(best.a, float(b), float(kappa_0))
+        softening = 0.0 if known is None else known.softening
+        laws[side] = UniaxialLaw(best.a, float(b), float(kappa_0), softening)
     return laws
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexscale.macro.harmonics import Harmonics, stiffness_harmonics
@@ -27,6 +29,7 @@ def harmonics(seed: int, mean: float, share: float = 0.05) -> Harmonics:
 
 
 TANGENT, IN_PLANE, BIAXIAL = stiffness(1, 60.0), stiffness(2, 100.0), 3000.0
+SOFTENING = 8.0
 #: Closing touches in every direction; opening, by 1/κ0, in part of the circle only.
 POLAR = PolarLaw(
     ("closing", "opening"),
@@ -35,7 +38,13 @@ POLAR = PolarLaw(
     (harmonics(5, 0.01), harmonics(6, 45.0, 0.5)),
     ("kappa_0", "1/kappa_0"),
     0.02,
+    SOFTENING,
 )
+
+
+def polar_of(variant: str) -> PolarLaw:
+    """The law of a variant: "paper" does not soften."""
+    return POLAR if variant == "tangent" else replace(POLAR, softening=0.0)
 
 
 def table(variant: str, turn: float = 0.0, polar: PolarLaw = POLAR) -> np.ndarray:
@@ -62,6 +71,7 @@ def turn_polar(polar: PolarLaw, turn: float) -> PolarLaw:
         tuple(map(turned, polar.onset)),
         polar.onset_quantity,
         polar.largest_curvature,
+        polar.softening,
     )
 
 

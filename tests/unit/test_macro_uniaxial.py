@@ -115,8 +115,28 @@ def test_onset_is_not_before_scales_touch() -> None:
 
 
 def test_known_stiffness_is_kept() -> None:
-    law = UniaxialLaw(60.0, 400.0, 0.01)
-    fitted = fit_uniaxial({"closing": line(law), "opening": line(law)}, a=58.0)
+    law, known = UniaxialLaw(60.0, 400.0, 0.01), UniaxialLaw(58.0, np.nan, np.nan)
+    fitted = fit_uniaxial({"closing": line(law), "opening": line(law)}, known=known)
     for side in ("closing", "opening"):
         assert fitted[side].a == 58.0
         assert fitted[side].b == pytest.approx(400.0, rel=0.05)
+
+
+def test_known_softening_leaves_contact_to_be_found() -> None:
+    law = UniaxialLaw(60.0, 400.0, 0.01, 20.0)
+    known = UniaxialLaw(60.0, np.nan, np.nan, 20.0)
+    found = fit_uniaxial({"closing": line(law)}, known=known)["closing"]
+    assert (found.a, found.softening) == (60.0, 20.0)
+    assert found.b == pytest.approx(400.0, rel=1e-4)
+    assert found.kappa_0 == pytest.approx(0.01, rel=1e-4)
+
+
+def test_softened_moment_is_the_derivative_of_its_energy() -> None:
+    law, kappa, step = UniaxialLaw(60.0, 400.0, 0.01, 20.0), np.linspace(0.001, 0.0305, 30), 1e-7
+    difference = (law.energy(kappa + step) - law.energy(kappa - step)) / (2.0 * step)
+    np.testing.assert_allclose(difference, law.moment(kappa), rtol=1e-6)
+    before = UniaxialLaw(60.0, 400.0, np.nan, 20.0)
+    # Where the energy without softening is 1/s, the moment is half.
+    assert before.moment(np.sqrt(2.0 / 20.0 / 60.0)) == pytest.approx(
+        0.5 * 60.0 * np.sqrt(2.0 / 20.0 / 60.0)
+    )

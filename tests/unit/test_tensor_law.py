@@ -15,11 +15,13 @@ from tests.unit.law_samples import (
     BIAXIAL,
     IN_PLANE,
     POLAR,
+    SOFTENING,
     TANGENT,
     VARIANTS,
     energy_at,
     gradient_at,
     hessian_at,
+    polar_of,
     principal_curvatures,
     random_state,
     table,
@@ -92,7 +94,7 @@ def test_uniaxial_bending_is_the_two_regime_law(variant: str, sign: float) -> No
     side = 0 if sign > 0.0 else 1
     for direction in np.arange(0.0, 180.0, 7.0):
         c, s = np.cos(np.deg2rad(direction)), np.sin(np.deg2rad(direction))
-        law = POLAR.law(np.array(direction), side, within=False)
+        law = polar_of(variant).law(np.array(direction), side, within=False)
         for kappa in (0.002, 0.009, 0.013, 0.03):
             b = sign * kappa * np.array([c * c, c * s, s * s])
             assert energy(ZERO, b, parameters) == pytest.approx(law.energy(kappa), rel=tolerance)
@@ -109,15 +111,17 @@ def test_positive_second_form_closes() -> None:
     place_images(place, kappa, 0.0, kinds, nodes, none, none, x, jacobian, rate)
     second_form = (x[0, 2] - 2.0 * x[1, 2] + x[2, 2]) / step**2  # the normal at 0 is e3
     assert second_form == pytest.approx(kappa, rel=1e-4)
-    bent, closing = np.array([second_form * 2.0, 0.0, 0.0]), POLAR.law(np.array(0.0), 0)
+    bent, closing = np.array([second_form * 2.0, 0.0, 0.0]), polar_of("paper").law(np.array(0.0), 0)
     assert energy(ZERO, bent, table("paper")) == pytest.approx(closing.energy(bent[0]), rel=1e-6)
 
 
-def test_before_contact_the_tangent_energy_is_quadratic() -> None:
+def test_before_contact_the_tangent_energy_is_that_of_the_flat_cell() -> None:
+    """Also where principal curvatures couple; softened by the energy itself."""
     parameters, rng = table("tangent"), np.random.default_rng(5)
     for b in 0.003 * rng.uniform(-1.0, 1.0, (20, 3)):
         k = np.array([b[0], b[2], 2.0 * b[1]])
-        expected = 0.5 * k @ TANGENT @ k + 0.5 * BIAXIAL * (b[0] * b[2] - b[1] ** 2) ** 2
+        expected = np.log1p(SOFTENING * 0.5 * k @ TANGENT @ k) / SOFTENING
+        expected += 0.5 * BIAXIAL * (b[0] * b[2] - b[1] ** 2) ** 2
         assert energy(ZERO, b, parameters) == pytest.approx(expected, rel=1e-13)
 
 
@@ -173,5 +177,5 @@ def test_biaxial_resistance_acts_on_double_curvature_only() -> None:
 def test_side_that_was_not_sampled_never_touches() -> None:
     one = PolarLaw(("closing",), POLAR.a, POLAR.b[:1], POLAR.onset[:1], ("kappa_0",), 0.02)
     b = np.array([-0.05, 0.0, 0.0])
-    expected = 0.5 * TANGENT[0, 0] * 0.05**2
+    expected = 0.5 * TANGENT[0, 0] * 0.05**2  # this polar law has no softening
     assert energy(ZERO, b, table("tangent", polar=one)) == pytest.approx(expected, rel=1e-13)

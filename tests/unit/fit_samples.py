@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -57,23 +58,26 @@ def law_sweep(
     opening: Function | None = no_contact,
     noise: float = 0.0,
     touches: bool = False,
+    softening: float = 0.0,
+    config: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Sweep of a_of, b_of and onsets by side, nan for no contact; opening None leaves it out.
 
-    noise : relative, on energy and moment. touches : store contact pairs beyond the onset.
+    noise : relative, on energy and moment. touches : store contact pairs beyond the onset. config :
+    what the sweep says of its making, too little to make its cell if not given.
     """
     onsets = {"closing": closing} | ({"opening": opening} if opening else {})
     table = np.stack([onset(directions) for onset in onsets.values()])[..., None]
     a, b = a_of(directions)[:, None], b_of(directions)[:, None]
     shape = (len(onsets), len(directions), len(curvatures))
     scatter = 1.0 + noise * np.random.default_rng(5).standard_normal((2, *shape))
-    energy = two_regime_energy(curvatures, a, b, table) * scatter[0]
+    energy = two_regime_energy(curvatures, a, b, table, softening) * scatter[0]
     arrays = {
         "energy_density": energy,
         "energy_density_membrane": 0.0 * energy,
         "energy_density_bending": energy,
         "energy_density_scales": 0.0 * energy,
-        "moment": two_regime_moment(curvatures, a, b, table) * scatter[1],
+        "moment": two_regime_moment(curvatures, a, b, table, softening) * scatter[1],
         "stretch": np.ones((*shape, 3)),
         "newton_iterations": np.full(shape, 3),
         "negative_eigenvalues": np.zeros(shape, dtype=int),
@@ -89,8 +93,8 @@ def law_sweep(
         directions,
         curvatures,
         arrays,
-        scalars={"family": "IH20", "pattern": "hexagon", "gap": 0.4},
-        config={"pattern": {"gap": 0.4}},
+        scalars={"family": "IH20", "pattern": "hexagon", "gap": 0.4, "tile_area": 100.0},
+        config={"pattern": {"gap": 0.4}} if config is None else config,
     )
 
 

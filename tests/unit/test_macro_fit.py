@@ -229,7 +229,7 @@ def test_dataset_holds_all_of_the_model(model: fs.MacroModel) -> None:
     check_dataset(dataset, "fit")
     again = fs.MacroModel.from_dataset(dataset)
     assert repr(again) == repr(model)
-    assert again.labels == {"family": "IH20", "pattern": "hexagon", "gap": 0.4}
+    assert again.labels == {"family": "IH20", "pattern": "hexagon", "gap": 0.4, "tile_area": 100.0}
     for side in model.sides:
         np.testing.assert_array_equal(
             again.moment(0.017, BETWEEN, side), model.moment(0.017, BETWEEN, side)

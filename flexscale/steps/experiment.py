@@ -33,7 +33,7 @@ from flexscale.steps.quantities import declared, series
 
 Directions = Annotated[tuple[Direction, ...], series("degree")]
 Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
-FigureName = Literal["polar", "curves", "tangent", "cell", "fit", "fitted_curves"]
+FigureName = Literal["polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar"]
 #: Blocks a figure needs.
 _FIGURE_BLOCKS = {
     "polar": "sweep",
@@ -42,6 +42,7 @@ _FIGURE_BLOCKS = {
     "cell": "shapes",
     "fit": "fit",
     "fitted_curves": "fit",
+    "macro_polar": "fit",
 }
 
 

@@ -37,7 +37,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_fit_of_squares_agrees_with_closed_forms(results: Path) -> None:
     model = fs.MacroModel.from_dataset(open_registry(results).one(kind="fit"))
-    assert model.n_parameters == 20
+    assert model.n_parameters == 21
     assert model.n_ignored == 0
     law = model.laws.law(0)
     # Hinges in the gaps only, before contact: a = D P / g. The fit averages over curvatures.

@@ -20,6 +20,7 @@ from tests.unit.fit_samples import (
     kappa_0_of,
     law_sweep,
     no_contact,
+    tangent,
     without,
 )
 
@@ -135,3 +136,29 @@ def test_curves_without_a_fit_stay_lines(sweep: xr.Dataset) -> None:
         f"{side} {direction}" for side in ("closing", "opening") for direction in (0, 30)
     }
     assert "closing" in legend_texts(figure)
+
+
+def test_macro_polar_shows_native_and_macro_moments(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    figure = fs.plot.macro_polar(model, sweep, curvatures=[0.006, 0.02])
+    assert len(figure.axes) == 4  # two sides by two curvatures
+    for axes, curvature, side in zip(figure.axes, (3, 10, 3, 10), (0, 0, 1, 1), strict=True):
+        native = sweep["moment"].values[side, :, curvature]
+        macro = lines(axes, MACRO_COLOR)[0]
+        angles = np.rad2deg(macro[:, 0])
+        at_samples = np.interp(DIRECTIONS, angles, macro[:, 1])
+        np.testing.assert_allclose(at_samples, native, rtol=1e-4)
+        shown = lines(axes, NATIVE_COLOR)[0]
+        np.testing.assert_allclose(shown[: len(DIRECTIONS), 1], native)
+    assert legend_texts(figure) == ["native", "macro"]
+
+
+def test_softening_is_drawn() -> None:
+    softened = law_sweep(softening=6.0)
+    model = fs.fit(softened, tangent()).to_dataset()
+    figure = fs.plot.macro_polar(model, softened, "opening", 0.02)
+    drawn = lines(figure.axes[0], MACRO_COLOR)[0]
+    native = softened["moment"].values[1, :, 10]
+    at_samples = np.interp(DIRECTIONS, np.rad2deg(drawn[:, 0]), drawn[:, 1])
+    np.testing.assert_allclose(at_samples, native, rtol=1e-3)
+    # Without it the moment would be more than a tenth larger.
+    assert (0.02 * a_of(DIRECTIONS) / native - 1.0).max() > 0.1

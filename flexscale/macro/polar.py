@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,6 +20,8 @@ from flexscale.macro.samples import (
     well_spread,
 )
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting, fit_uniaxial
+
+log = logging.getLogger(__name__)
 
 #: Energies of a curvature tensor, by name; see `tensor_law`.
 Variant = Literal["tangent", "paper"]
@@ -133,6 +136,9 @@ def fit_directions(
 def require_visible_onset(laws: DirectionalLaws, samples: Samples) -> None:
     """Refuse a sweep whose samples do not bracket the onset.
 
+    Where one side does and the other has only begun to touch, the log says so: the model then has
+    no contact on that side.
+
     Raises
     ------
     BadInputError : with the numbers.
@@ -148,15 +154,21 @@ def require_visible_onset(laws: DirectionalLaws, samples: Samples) -> None:
                 f"besides 0, {first:g} mm-1 (onset near {laws.kappa_0[s, d]:.3g} mm-1): add "
                 "curvatures before it."
             )
-        seen = np.isfinite(laws.kappa_0[s])
-        if seen.any() and not (laws.n_beyond[s][seen] >= LEAST_BEYOND).any():
-            last = samples.curvatures[-2:]
-            raise BadInputError(
-                f"The sweep is too coarse to see the onset of contact: {side}, in no direction "
-                f"are there {LEAST_BEYOND} samples beyond it (the last curvatures are {last[0]:g} "
-                f"and {last[1]:g} mm-1, the onset is near {np.nanmin(laws.kappa_0[s]):.3g} mm-1): "
-                "add curvatures between or beyond."
-            )
+    seen = [bool(np.isfinite(onsets).any()) for onsets in laws.kappa_0]
+    resolved = [bool((beyond >= LEAST_BEYOND).any()) for beyond in laws.n_beyond]
+    for s in range(len(samples.sides)):
+        if not seen[s] or resolved[s]:
+            continue
+        last = samples.curvatures[-2:]
+        problem = (
+            f"The sweep is too coarse to see the onset of contact: {samples.sides[s]}, in no "
+            f"direction are there {LEAST_BEYOND} samples beyond it (the last curvatures are "
+            f"{last[0]:g} and {last[1]:g} mm-1, the onset is near "
+            f"{np.nanmin(laws.kappa_0[s]):.3g} mm-1): add curvatures between or beyond."
+        )
+        if not any(resolved):
+            raise BadInputError(problem)
+        log.warning("%s The model has no contact on this side.", problem)
 
 
 def fit_polar(

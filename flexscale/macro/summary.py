@@ -17,18 +17,20 @@ def describe_laws(laws: DirectionalLaws, polar: PolarLaw) -> list[str]:
         lines[0] += f", halved at an energy of {1.0 / laws.softening:.3g} N mm-1"
     for index, side in enumerate(polar.sides):
         law = laws.law(index)
-        seen = int(np.count_nonzero(law.has_contact))
+        seen, sampled = int(np.count_nonzero(law.has_contact)), int(laws.sampled[index].sum())
         quantity = polar.onset_quantity[index]
         if quantity == "none":
             unused = polar.b[index].n_parameters + polar.onset[index].n_parameters
-            lines.append(
-                f"  {side:<8} no contact up to {polar.largest_curvature:g} mm-1; "
-                f"its {unused} variables are 0"
-            )
+            what = f"no contact up to {polar.largest_curvature:g} mm-1"
+            if seen:
+                what = (
+                    f"contact in {seen} of {sampled} directions, too late in the sweep to be fitted"
+                )
+            lines.append(f"  {side:<8} {what}; its {unused} variables are 0")
         else:
             lines.append(
                 f"  {side:<8} b {_span(law.b)} N mm   kappa_0 {_span(law.kappa_0)} mm-1   "
-                f"contact in {seen} of {int(laws.sampled[index].sum())} directions, "
+                f"contact in {seen} of {sampled} directions, "
                 f"{quantity} interpolated"
             )
     return lines

@@ -211,6 +211,20 @@ def test_sweep_with_one_sample_beyond_the_onset() -> None:
         fit_law(law_sweep(curvatures=curvatures, touches=True))
 
 
+def test_side_that_only_begins_to_touch_is_left_without_contact(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """The other side is well sampled: no reason to refuse the sweep."""
+    sweep = law_sweep(opening=lambda d: np.where(d == 30.0, 0.0185, np.nan), touches=True)
+    with caplog.at_level(logging.WARNING):
+        model = fit_law(sweep)
+    assert "opening, in no direction are there 2 samples beyond" in caplog.text
+    assert model.polar.onset_quantity == ("kappa_0", "none")
+    assert "opening  contact in 1 of 12 directions, too late in the sweep to be fitted" in repr(
+        model
+    )
+
+
 def test_other_refusals(model: fs.MacroModel) -> None:
     with pytest.raises(UnknownNameError, match="Did you mean 'absolute'"):
         fit_law(law_sweep(), weighting="absolut")  # type: ignore[arg-type]

@@ -1,8 +1,9 @@
 """The two-regime law of one principal direction, with its derivatives [Eqs. 10, 11].
 
-A parameter of the law is P(u) = Re Σ (c_k − i s_k) u^k with u = e^{2iθ}, which is Eq. 11. It is
-harmonic in u, also inside the unit circle, where `principal` lets u end up: least values lie on the
-circle, so that what is positive at every angle is positive there as well.
+A parameter of the law is P(u) = Re Σ (c_k − i s_k) u^k with u = e^{2iθ}, which is Eq. 11; a table
+holds c_0 … c_3, then s_0 … s_3. P is harmonic in u, also inside the unit circle, where `principal`
+lets u end up: least values lie on the circle, so that what is positive at every angle is positive
+there as well.
 """
 
 from __future__ import annotations
@@ -12,8 +13,6 @@ from numba import njit
 
 from flexscale.datasets.fit_values import FloatArray
 
-#: Harmonics of order 0 to 3: four coefficients of cosines, then four of sines.
-N_COEFFICIENTS = 8
 #: What the harmonics of the onset are of: as ONSET_QUANTITIES, but with numbers.
 ONSET, INVERSE_ONSET, NO_ONSET = 0.0, 1.0, 2.0
 
@@ -68,10 +67,12 @@ def directional_energy(
     y : (3,) curvature in mm-1; direction.
     jet : (4, 3) filled: gradient, then Hessian.
     """
-    kappa = y[0]
+    kappa, value = y[0], 0.0
     jet[:] = 0.0
-    value = 0.0
-    a = np.empty(6)
+    onset, a, c = np.empty(6), np.empty(6), np.empty(6)
+    touches = onset_jet(table, places[2], y[1], y[2], onset) and abs(kappa) > onset[0]
+    if own == 0.0 and not touches:
+        return value
     harmonic_jet(table, places[0], y[1], y[2], a)
     if own != 0.0:
         value = 0.5 * own * a[0] * kappa**2
@@ -82,12 +83,9 @@ def directional_energy(
             jet[1, i] = jet[1 + i, 0] = own * a[i] * kappa
             for j in range(1, 3):
                 jet[1 + i, j] = 0.5 * own * a[1 + i + j] * kappa**2
-    onset, c = np.empty(6), np.empty(6)
-    if not onset_jet(table, places[2], y[1], y[2], onset):
+    if not touches:
         return value
     beyond = abs(kappa) - onset[0]
-    if beyond <= 0.0:
-        return value
     harmonic_jet(table, places[1], y[1], y[2], c)
     c -= a
     rate = (1.0 if kappa > 0.0 else -1.0, -onset[1], -onset[2])

@@ -66,33 +66,36 @@ def smooth_radius(b: FloatArray, eta2: float, delta2: float, jet: FloatArray) ->
 
 
 @njit(cache=True)
-def principal_direction(
-    b: FloatArray,
-    sign: float,
-    radius: float,
-    radius_jet: FloatArray,
-    y: FloatArray,
-    jet: FloatArray,
-) -> None:
-    """A principal curvature and its direction, y = (κ, Re u, Im u), and derivatives by (s, d, o).
+def principal_state(b: FloatArray, sign: float, radius: float, y: FloatArray) -> None:
+    """Fill y (3,) with a principal curvature and its direction, (κ, Re u, Im u).
 
     Parameters
     ----------
     b : (11, 12, 22), mm-1.
     sign : 1 for the larger curvature, -1 for the smaller.
-    radius, radius_jet : as `smooth_radius` gives them; not 0.
-    y : (3,) filled.
-    jet : (3, 4, 3) filled; of each entry of y the gradient, and the Hessian in rows 1 to 3.
+    radius : as `smooth_radius` gives it; not 0.
+    """
+    y[0] = 0.5 * (b[0] + b[2]) + sign * radius
+    y[1] = sign * 0.5 * (b[0] - b[2]) / radius
+    y[2] = sign * b[1] / radius
+
+
+@njit(cache=True)
+def principal_jet(
+    b: FloatArray, sign: float, radius: float, radius_jet: FloatArray, jet: FloatArray
+) -> None:
+    """Derivatives of `principal_state` by (s, d, o).
+
+    `radius_jet` as `smooth_radius` gives it. Fills jet (3, 4, 3): of each entry of y the gradient,
+    and the Hessian in rows 1 to 3.
     """
     x = (0.5 * (b[0] + b[2]), 0.5 * (b[0] - b[2]), b[1])
-    y[0] = x[0] + sign * radius
     for i in range(3):
         jet[0, 0, i] = sign * radius_jet[0, i] + (1.0 if i == 0 else 0.0)
         for j in range(3):
             jet[0, 1 + i, j] = sign * radius_jet[1 + i, j]
     w = sign / radius
     for c in range(1, 3):
-        y[c] = w * x[c]
         for i in range(3):
             w_i = -w * radius_jet[0, i] / radius
             jet[c, 0, i] = x[c] * w_i + (w if i == c else 0.0)

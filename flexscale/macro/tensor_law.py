@@ -26,7 +26,7 @@ from numba import njit
 
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.macro.directional_law import directional_energy
-from flexscale.macro.principal import TO_INVARIANTS, principal_direction, smooth_radius
+from flexscale.macro.principal import TO_INVARIANTS, principal_jet, principal_state, smooth_radius
 
 #: Where a table holds A and C (11, 12, 13, 22, 23, 33), w, own share, η², δ², s, harmonics of a,
 #: and of each side those of b, what the onset's harmonics are of, and these.
@@ -44,11 +44,11 @@ def energy(e: FloatArray, b: FloatArray, parameters: FloatArray) -> float:
     bent, softening = _quadratic(parameters, TANGENT, curvature), parameters[SOFTENING]
     value += np.log1p(softening * bent) / softening if softening > 0.0 else bent
     value += 0.5 * parameters[BIAXIAL] * det * det
-    radius_jet, y, y_jet, jet = np.empty((4, 3)), np.empty(3), np.empty((3, 4, 3)), np.empty((4, 3))
+    radius_jet, y, jet = np.empty((4, 3)), np.empty(3), np.empty((4, 3))
     radius = smooth_radius(b, parameters[ETA2], parameters[DELTA2], radius_jet)
     if radius > 0.0:
         for sign in (1.0, -1.0):
-            principal_direction(b, sign, radius, radius_jet, y, y_jet)
+            principal_state(b, sign, radius, y)
             value += directional_energy(parameters, parameters[OWN], _places(y[0]), y, jet)
     return value
 
@@ -73,9 +73,11 @@ def law(
     radius = smooth_radius(b, parameters[ETA2], parameters[DELTA2], radius_jet)
     if radius > 0.0:
         for sign in (1.0, -1.0):
-            principal_direction(b, sign, radius, radius_jet, y, y_jet)
+            principal_state(b, sign, radius, y)
             directional_energy(parameters, parameters[OWN], _places(y[0]), y, jet)
-            _add_direction(jet, y_jet, grad, hess)
+            if np.any(jet != 0.0):
+                principal_jet(b, sign, radius, radius_jet, y_jet)
+                _add_direction(jet, y_jet, grad, hess)
 
 
 @njit(cache=True)

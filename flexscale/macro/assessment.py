@@ -10,7 +10,8 @@ import numpy as np
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.schema import ASSESSMENTS, STATISTICS
 from flexscale.macro.flat_response import FlatResponse
-from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions, fit_polar
+from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions
+from flexscale.macro.refine import fit_refined
 from flexscale.macro.samples import Samples
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
 
@@ -107,7 +108,7 @@ def _without_curvatures(
     for index in range(len(samples.curvatures) - 1):
         fewer = samples.without_curvature(index)
         again = fit_directions(fewer, weighting, flat, contact)
-        polar = fit_polar(again, fewer, weighting, flat)
+        polar = fit_refined(again, fewer, weighting, flat)
         if polar is None:
             continue
         # Lines that lost their only sample before the onset no longer know it.
@@ -125,7 +126,7 @@ def _without_directions(
     energy, moment = np.full_like(samples.energy, np.nan), np.full_like(samples.moment, np.nan)
     for source in np.unique(samples.sources):
         left_out = samples.sources == source
-        polar = fit_polar(laws, samples, weighting, flat, ~left_out)
+        polar = fit_refined(laws, samples, weighting, flat, ~left_out)
         if polar is not None:
             guess = _predict_polar(samples, polar)
             energy[:, left_out], moment[:, left_out] = guess[0][:, left_out], guess[1][:, left_out]

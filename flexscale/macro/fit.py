@@ -14,7 +14,8 @@ from flexscale.macro.biaxial import choose_w_biaxial
 from flexscale.macro.flat_response import FlatResponse, fit_softening
 from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.model import MacroModel
-from flexscale.macro.polar import Variant, fit_directions, fit_polar, require_visible_onset
+from flexscale.macro.polar import Variant, fit_directions, require_visible_onset
+from flexscale.macro.refine import fit_refined
 from flexscale.macro.rest_stiffness import (
     read_rest_stiffness,
     require_same_cell,
@@ -39,7 +40,7 @@ def fit(
     weighting: Weighting = "relative",
     w_biaxial: float | None = None,
 ) -> MacroModel:
-    """Fit the two-regime law in every direction, and harmonics through its parameters.
+    """Fit the two-regime law in every direction, and harmonics of its parameters.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def fit(
             flat = fit_softening(samples, stiffness, first.kappa_0)
     laws = fit_directions(samples, weighting, flat)
     require_visible_onset(laws, samples)
-    polar = fit_polar(laws, samples, weighting, flat)
+    polar = fit_refined(laws, samples, weighting, flat)
     assert polar is not None  # read_samples saw to it that the directions suffice
     labels = _labels(sweep)
     return MacroModel(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.datasets.build import build_fit_dataset
-from flexscale.datasets.fit_values import PARAMETERS, FloatArray
-from flexscale.datasets.schema import SCALARS, SIDES, schema_of
-from flexscale.errors import BadInputError, SchemaError, UnitRangeError, UnknownNameError, suggest
+from flexscale.datasets.fit_values import FloatArray
+from flexscale.datasets.schema import SIDES
+from flexscale.errors import BadInputError, UnitRangeError, UnknownNameError, suggest
 from flexscale.macro.assessment import FitErrors
-from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.law_table import build_law_table
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, Variant
+from flexscale.macro.storage import read_model, write_model
 from flexscale.macro.summary import describe_errors, describe_laws, describe_sheet
 from flexscale.macro.tensor_law import bending
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from flexscale.datasets.identity import Recipe
-
-_ERRORS = tuple(FitErrors.__dataclass_fields__)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -169,48 +165,7 @@ class MacroModel:
 
     def to_dataset(self, recipe: Recipe | None = None) -> xr.Dataset:
         """Dataset of kind fit; all of the model is in it."""
-        sampled, fitted = [], []
-        for side in range(len(self.sides)):
-            law, smooth = self.laws.law(side), self.polar.law(self.laws.directions, side)
-            sampled.append([law.a, law.b, law.kappa_0])
-            fitted.append([smooth.a, smooth.b, smooth.kappa_0])
-        arrays: dict[str, Any] = {name: getattr(self.errors, name) for name in _ERRORS}
-        arrays |= {
-            "cos_coefficient": self._coefficients("cosine"),
-            "sin_coefficient": self._coefficients("sine"),
-            "order": [self.polar.a.order, self.polar.b[0].order, self.polar.onset[0].order],
-            "onset_quantity": list(self.polar.onset_quantity),
-            "directional_value": np.array(sampled),
-            "fitted_value": np.array(fitted),
-            "samples_before": self.laws.n_before,
-            "samples_beyond": self.laws.n_beyond,
-            "largest_curvature": self.largest_curvature,
-            "n_parameters": self.n_parameters,
-            "n_ignored": self.n_ignored,
-            "weighting": self.weighting,
-            "variant": self.variant,
-            "tangent": _or_nan(self.tangent),
-            "in_plane": _or_nan(self.in_plane),
-            "w_biaxial": self.w_biaxial,
-            "softening": self.polar.softening,
-        }
-        return build_fit_dataset(
-            self.sides,
-            self.laws.directions,
-            arrays,
-            scalars=self.labels,
-            config=self.config,
-            recipe=recipe,
-        )
-
-    def _coefficients(self, part: str) -> FloatArray:
-        """(s, 3, 4) cosine or sine coefficients; orders a parameter does not have are 0."""
-        rows = []
-        for b, onset in zip(self.polar.b, self.polar.onset, strict=True):
-            found = [getattr(item, part) for item in (self.polar.a, b, onset)]
-            longest = max(len(row) for row in found)
-            rows.append([np.pad(row, (0, longest - len(row))) for row in found])
-        return np.array(rows)
+        return write_model(self, recipe)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> MacroModel:
@@ -220,36 +175,7 @@ class MacroModel:
         ------
         SchemaError : not a fit.
         """
-        missing = [item.name for item in schema_of("fit").variables if item.name not in dataset]
-        if missing:
-            raise SchemaError(f"A macro model is a dataset of kind fit; no {', '.join(missing)}.")
-        sides = tuple(str(side) for side in dataset["side"].values)
-        values = {name: dataset[name].values for name in dataset.variables}
-        directional = values["directional_value"]
-        a = directional[:, 0]
-        laws = DirectionalLaws(
-            values["direction"],
-            np.where(np.isnan(a[0]), a[-1], a[0]),
-            directional[:, 1],
-            directional[:, 2],
-            values["samples_before"],
-            values["samples_beyond"],
-            float(values["softening"]),
-        )
-        labels = {item.name: values[item.name].item() for item in SCALARS if item.name in values}
-        return cls(
-            polar=_polar_of(dataset, sides),
-            laws=laws,
-            errors=FitErrors(**{name: values[name] for name in _ERRORS}),
-            weighting=values["weighting"].item(),
-            variant=values["variant"].item(),
-            tangent=_or_none(values["tangent"]),
-            in_plane=_or_none(values["in_plane"]),
-            w_biaxial=float(values["w_biaxial"]),
-            n_ignored=int(values["n_ignored"]),
-            labels=labels,
-            config=json.loads(dataset.attrs["flexscale_config"]),
-        )
+        return cls(**read_model(dataset))
 
     def __repr__(self) -> str:
         who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()
@@ -266,37 +192,6 @@ class MacroModel:
         if self.n_ignored:
             lines.append(f"  {self.n_ignored} samples that did not converge were ignored")
         return "\n".join(lines)
-
-
-def _polar_of(dataset: xr.Dataset, sides: tuple[str, ...]) -> PolarLaw:
-    orders = {
-        name: int(order) for name, order in zip(PARAMETERS, dataset["order"].values, strict=True)
-    }
-    found: dict[str, list[Harmonics]] = {name: [] for name in PARAMETERS}
-    for side in sides:
-        for name in PARAMETERS:
-            one = dataset.sel(side=side, parameter=name)
-            cut = slice(0, orders[name] + 1)
-            found[name].append(
-                Harmonics(one["cos_coefficient"].values[cut], one["sin_coefficient"].values[cut])
-            )
-    return PolarLaw(
-        sides,
-        found["a"][0],
-        tuple(found["b"]),
-        tuple(found["kappa_0"]),
-        tuple(str(item) for item in dataset["onset_quantity"].values),
-        float(dataset["largest_curvature"]),
-        float(dataset["softening"]),
-    )
-
-
-def _or_nan(matrix: FloatArray | None) -> FloatArray:
-    return np.full((3, 3), np.nan) if matrix is None else matrix
-
-
-def _or_none(matrix: FloatArray) -> FloatArray | None:
-    return None if np.isnan(matrix).all() else matrix
 
 
 def _directions(direction: ArrayLike) -> FloatArray:

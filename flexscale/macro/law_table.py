@@ -15,6 +15,7 @@ from flexscale.macro.tensor_law import (
     DELTA2,
     ETA2,
     IN_PLANE,
+    LEAST_ONSET,
     N_TABLE,
     OPENING,
     OWN,
@@ -42,7 +43,7 @@ def build_law_table(
     in_plane: FloatArray | None,
     w_biaxial: float,
 ) -> FloatArray:
-    """Table (59,) of a macro law.
+    """Table (60,) of a macro law.
 
     Parameters
     ----------
@@ -65,6 +66,7 @@ def build_law_table(
         table[DELTA2] = DELTA**2
     table[BIAXIAL] = w_biaxial
     _write(table, A, polar.a)
+    table[LEAST_ONSET] = least_onset(polar)
     for side, at in zip(SIDES, (CLOSING, OPENING), strict=True):
         table[at + 8] = NO_ONSET
         if side in polar.sides:
@@ -73,6 +75,18 @@ def build_law_table(
             table[at + 8] = _KINDS[polar.onset_quantity[index]]
             _write(table, at + 9, polar.onset[index])
     return table
+
+
+def least_onset(polar: PolarLaw) -> float:
+    """Least κ0 of all sides at all angles, mm-1; inf without contact."""
+    found = [np.inf]
+    for harmonics, quantity in zip(polar.onset, polar.onset_quantity, strict=True):
+        if quantity == "kappa_0":
+            found.append(harmonics.least())
+        elif quantity == "1/kappa_0":
+            most = -Harmonics(-harmonics.cosine, -harmonics.sine).least()
+            found.append(1.0 / most if most > 0.0 else np.inf)
+    return min(found)
 
 
 def _write(table: FloatArray, at: int, harmonics: Harmonics) -> None:

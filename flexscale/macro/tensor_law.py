@@ -31,22 +31,24 @@ from flexscale.datasets.fit_values import FloatArray
 from flexscale.macro.directional_law import directional_energy
 from flexscale.macro.principal import TO_INVARIANTS, principal_jet, principal_state, smooth_radius
 
-#: Where a table holds A and C (11, 12, 13, 22, 23, 33), w, own share, η², δ², s, harmonics of a,
-#: and of each side those of b, what the onset's harmonics are of, and these.
-IN_PLANE, TANGENT, BIAXIAL, OWN, ETA2, DELTA2, SOFTENING = 0, 6, 12, 13, 14, 15, 16
-A, CLOSING, OPENING, N_TABLE = 17, 25, 42, 59
+#: Where a table holds A and C (11, 12, 13, 22, 23, 33), w, own share, η², δ², s, least κ0 at any
+#: angle, harmonics of a, and of each side those of b, what the onset's harmonics are of, and these.
+IN_PLANE, TANGENT, BIAXIAL, OWN, ETA2, DELTA2, SOFTENING, LEAST_ONSET = 0, 6, 12, 13, 14, 15, 16, 17
+A, CLOSING, OPENING, N_TABLE = 18, 26, 43, 60
 _B, _ONSET = 0, 8
 
 
 @njit(cache=True)
 def energy(e: FloatArray, b: FloatArray, parameters: FloatArray) -> float:
-    """Energy per rest area [N mm-1]; e, b (3,), parameters a table (59,)."""
+    """Energy per rest area [N mm-1]; e, b (3,), parameters a table (60,)."""
     strain, curvature = (0.5 * e[0], 0.5 * e[2], e[1]), (b[0], b[2], 2.0 * b[1])
     det = b[0] * b[2] - b[1] * b[1]
     value = _quadratic(parameters, IN_PLANE, strain)
     bent, softening = _quadratic(parameters, TANGENT, curvature), parameters[SOFTENING]
     value += np.log1p(softening * bent) / softening if softening > 0.0 else bent
     value += 0.5 * parameters[BIAXIAL] * det * det
+    if not _has_directions(b, parameters):
+        return value
     radius_jet, y, jet = np.empty((4, 3)), np.empty(3), np.empty((4, 3))
     radius = smooth_radius(b, parameters[ETA2], parameters[DELTA2], radius_jet)
     if radius > 0.0:
@@ -72,6 +74,8 @@ def law(
     _add_quadratic(parameters, TANGENT, curvature, (1.0, 1.0, 2.0), 3, grad, hess)
     _soften(parameters[SOFTENING], _quadratic(parameters, TANGENT, curvature), grad, hess)
     _add_biaxial(parameters[BIAXIAL], b, grad, hess)
+    if not _has_directions(b, parameters):
+        return
     radius_jet, y, y_jet, jet = np.empty((4, 3)), np.empty(3), np.empty((3, 4, 3)), np.empty((4, 3))
     radius = smooth_radius(b, parameters[ETA2], parameters[DELTA2], radius_jet)
     if radius > 0.0:
@@ -81,6 +85,19 @@ def law(
             if np.any(jet != 0.0):
                 principal_jet(b, sign, radius, radius_jet, y_jet)
                 _add_direction(jet, y_jet, grad, hess)
+
+
+@njit(cache=True)
+def _has_directions(b: FloatArray, parameters: FloatArray) -> bool:
+    """Whether the sum over principal directions counts: not where no curvature reaches any κ0.
+
+    R² of `principal` is r² + η² N at most; δ is 0 where the sum is of contact alone.
+    """
+    if parameters[OWN] != 0.0:
+        return True
+    s, d = 0.5 * (b[0] + b[2]), 0.5 * (b[0] - b[2])
+    r2 = d * d + b[1] * b[1]
+    return abs(s) + np.sqrt(r2 + parameters[ETA2] * (s * s + r2)) > parameters[LEAST_ONSET]
 
 
 @njit(cache=True)

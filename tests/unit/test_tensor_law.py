@@ -7,7 +7,7 @@ import pytest
 
 from flexscale.embedding.curvature_map import POSITION, place_images
 from flexscale.macro.harmonics import Harmonics
-from flexscale.macro.law_table import DELTA
+from flexscale.macro.law_table import DELTA, least_onset
 from flexscale.macro.polar import PolarLaw
 from flexscale.macro.tensor_law import energy
 from tests.derivatives import directional_difference, relative_error
@@ -172,6 +172,21 @@ def test_biaxial_resistance_acts_on_double_curvature_only() -> None:
         form = np.array(b)
         extra = energy(ZERO, form, parameters) - energy(ZERO, form, without)
         assert extra == pytest.approx(0.5 * BIAXIAL * det**2, abs=1e-18)
+
+
+def test_least_onset_is_where_contact_begins() -> None:
+    """Elements below it skip contact; half a percent above it, one of 2000 directions has some."""
+    least, parameters = least_onset(POLAR), table("tangent")
+    angles = np.linspace(0.0, np.pi, 2000)
+    unit = np.stack([np.cos(angles) ** 2, np.cos(angles) * np.sin(angles), np.sin(angles) ** 2])
+    for factor, touched in ((1.0 - 1e-9, False), (1.005, True)):
+        excess = []
+        for sign in (1.0, -1.0):
+            for b in sign * factor * least * unit.T:
+                k = np.array([b[0], b[2], 2.0 * b[1]])
+                flat = np.log1p(SOFTENING * 0.5 * k @ TANGENT @ k) / SOFTENING
+                excess.append(energy(ZERO, b, parameters) / flat - 1.0)
+        assert (max(excess) > 1e-7) == touched
 
 
 def test_side_that_was_not_sampled_never_touches() -> None:

@@ -16,7 +16,7 @@ Two energies by name, told apart by numbers alone:
   from the flat state only.
 
 Strain and curvature do not couple before they are large: in the flat cells of named patterns the
-coupling makes up 1.5 % of C at most, and C is that at zero in-plane force.
+coupling makes up 2.3 % of C at most, and C is that at zero in-plane force.
 
 A table of `law_table` holds all numbers. The energy is twice differentiable but for |κ_j| = κ0,
 where the Hessian jumps; there it is the one before contact.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,6 +12,7 @@ from matplotlib.figure import Figure
 
 import flexscale as fs
 from flexscale.errors import BadInputError, SchemaError
+from flexscale.plotting.figures import find_scripts
 from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from tests.unit.fit_samples import (
     CURVATURES,
@@ -23,6 +26,9 @@ from tests.unit.fit_samples import (
     tangent,
     without,
 )
+from tests.unit.plotting_data import flat_cell
+
+PAPER_FIGURES = Path(__file__).resolve().parents[2] / "paper_figures"
 
 
 @pytest.fixture(scope="module")
@@ -162,3 +168,19 @@ def test_softening_is_drawn() -> None:
     np.testing.assert_allclose(at_samples, native, rtol=1e-3)
     # Without it the moment would be more than a tenth larger.
     assert (0.02 * a_of(DIRECTIONS) / native - 1.0).max() > 0.1
+
+
+def test_paper_figures_draw_from_datasets(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    (parameters, macro) = find_scripts(PAPER_FIGURES, ["fig04", "fig12"])
+    figure = parameters.module.draw({"fit": model, "sweep": sweep})
+    assert len(figure.axes) == 5
+    inputs = {}
+    for pattern, corners in (("hexagon", 6), ("square", 4)):
+        parts = {"cell": flat_cell(corners), "sweep": sweep, "fit": model}
+        inputs |= {f"{pattern}_{kind}": dataset for kind, dataset in parts.items()}
+    assert set(inputs) == set(macro.needs)
+    figure = macro.module.draw(inputs)
+    assert len(figure.axes) == 10
+    drawn = lines(figure.axes[-1], MACRO_COLOR)[0]
+    at_samples = np.interp(DIRECTIONS, np.rad2deg(drawn[:, 0]), drawn[:, 1])
+    np.testing.assert_allclose(at_samples, sweep["moment"].values[0, :, -1], rtol=1e-4)

@@ -147,7 +147,8 @@ class MacroModel:
                 "A curvature tensor is a symmetric 2 by 2 matrix of finite numbers in mm-1, not "
                 f"{curvature!r}."
             )
-        if not np.array_equal(tensors, np.swapaxes(tensors, -1, -2)):
+        off = np.abs(tensors[..., 0, 1] - tensors[..., 1, 0])
+        if np.any(off > 1e-9 * np.abs(tensors).max(axis=(-2, -1))):  # more than rounding
             raise UnitRangeError(f"Curvature tensors are symmetric, but {curvature!r} is not.")
         forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
         energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))

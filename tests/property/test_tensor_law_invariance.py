@@ -5,14 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import flexscale as fs
+from flexscale.homogenize.tangent import TangentStiffness
+from tests.unit.fit_samples import DIRECTIONS, law_sweep, tangent
 from tests.unit.law_samples import (
     VARIANTS,
     energy_at,
     gradient_at,
     hessian_at,
     random_state,
+    rotation,
     table,
     turn_form,
+    turn_stiffness,
 )
 
 
@@ -53,3 +58,22 @@ def test_half_a_turn_of_a_direction_changes_nothing(variant: str) -> None:
     state = np.array([0.0, 0.0, 0.0, 0.02, 0.003, -0.004])
     half = energy_at(state, table(variant, np.pi))
     assert half == pytest.approx(energy_at(state, table(variant)), rel=1e-12)
+
+
+def test_fit_of_a_turned_sweep_is_the_turned_fit() -> None:
+    """From samples to tensors: 1e-5, since harmonics are adjusted to samples by iteration."""
+    sweep, known = law_sweep(softening=6.0, noise=0.01), tangent()
+    turned_sweep = sweep.copy(deep=True)
+    for name in ("moment", "energy_density"):
+        turned_sweep[name].values = np.roll(sweep[name].values, 3, axis=1)
+    turn = np.deg2rad(3.0 * (DIRECTIONS[1] - DIRECTIONS[0]))
+    turned_tangent = TangentStiffness(
+        turn_stiffness(known.matrix, turn), turn_stiffness(known.in_plane, turn)
+    )
+    model, there = fs.fit(sweep, known), fs.fit(turned_sweep, turned_tangent)
+    rng, r = np.random.default_rng(17), rotation(turn)
+    tensors = 0.015 * rng.standard_normal((50, 2, 2))
+    tensors += np.swapaxes(tensors, -1, -2)
+    np.testing.assert_allclose(
+        there.tensor_energy(r @ tensors @ r.T), model.tensor_energy(tensors), rtol=1e-5
+    )

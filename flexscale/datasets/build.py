@@ -89,17 +89,19 @@ def build_sweep_dataset(
 
 def build_tangent_dataset(
     matrix: ArrayLike,
+    in_plane: ArrayLike,
     directions: ArrayLike,
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
     recipe: Recipe | None = None,
 ) -> xr.Dataset:
-    """Dataset of kind tangent/1; the stiffness in each direction follows from the matrix.
+    """Dataset of kind tangent; the stiffness in each direction follows from the matrix.
 
     Parameters
     ----------
     matrix : (3, 3) N mm, C in energy density 1/2 k C k with k = (kxx, kyy, 2 kxy).
+    in_plane : (3, 3) N mm-1, energy density 1/2 E A E with E = (Exx, Eyy, 2 Exy).
     directions : (n,) degree.
     scalars, config, recipe : as in `build_sweep_dataset`.
     """
@@ -107,6 +109,7 @@ def build_tangent_dataset(
     stiffness = np.asarray(matrix, dtype=float)
     values = {
         "matrix": stiffness,
+        "in_plane": in_plane,
         "stiffness": directional_stiffness(stiffness, angles),
         "direction": angles,
         "component": list(COMPONENTS),
@@ -132,7 +135,7 @@ def build_fit_dataset(
     config: Mapping[str, Any],
     recipe: Recipe | None = None,
 ) -> xr.Dataset:
-    """Dataset of kind fit/1.
+    """Dataset of kind fit.
 
     Parameters
     ----------
@@ -147,6 +150,8 @@ def build_fit_dataset(
         "direction": np.asarray(directions, dtype=float),
         "parameter": list(PARAMETERS),
         "parameter_units": ["N mm", "N mm", "mm-1"],
+        "component": list(COMPONENTS),
+        "other_component": list(COMPONENTS),
         "harmonic": np.arange(np.shape(arrays["cos_coefficient"])[-1]),
         "assessment": list(ASSESSMENTS),
         "statistic": list(STATISTICS),

@@ -11,7 +11,7 @@ import xarray as xr
 from flexscale.datasets.build import directional_stiffness
 from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_parameters
 from flexscale.datasets.identity import SHORT_DIGEST
-from flexscale.datasets.schema import ENERGY_PARTS, SIDES, Schema, Variable, schema_of
+from flexscale.datasets.schema import ENERGY_PARTS, SIDES, VARIANTS, Schema, Variable, schema_of
 from flexscale.errors import SchemaError
 from flexscale.status import SolveStatus
 
@@ -140,17 +140,20 @@ def _check_energy(dataset: xr.Dataset) -> None:
 
 
 def _check_tangent(dataset: xr.Dataset) -> None:
-    matrix = dataset["matrix"].values
-    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-        raise SchemaError("The stiffness matrix must be 3 by 3 and finite.")
-    scale = float(np.abs(matrix).max())
-    if np.abs(matrix - matrix.T).max() > 1e-6 * scale:
-        raise SchemaError("The stiffness matrix must be symmetric.")
-    direction = dataset["direction"].values
+    for name in ("matrix", "in_plane"):
+        _check_stiffness(dataset[name].values, name)
+    matrix, direction = dataset["matrix"].values, dataset["direction"].values
     _check_axis(direction, "direction", "degree")
     expected = directional_stiffness(matrix, direction)
-    if np.abs(dataset["stiffness"].values - expected).max() > ROUNDING * scale:
+    if np.abs(dataset["stiffness"].values - expected).max() > ROUNDING * np.abs(matrix).max():
         raise SchemaError("The directional stiffness does not follow from the matrix.")
+
+
+def _check_stiffness(matrix: np.ndarray, name: str) -> None:
+    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+        raise SchemaError(f"The stiffness {name} must be 3 by 3 and finite.")
+    if np.abs(matrix - matrix.T).max() > 1e-6 * np.abs(matrix).max():
+        raise SchemaError(f"The stiffness {name} must be symmetric.")
 
 
 def _check_fit(dataset: xr.Dataset) -> None:
@@ -173,6 +176,23 @@ def _check_fit(dataset: xr.Dataset) -> None:
                 raise SchemaError(f"The fitted {name}, {side!s}, does not follow from harmonics.")
             if np.nanmin(expected, initial=np.inf) <= 0.0:
                 raise SchemaError(f"The fitted {name}, {side!s}, is not positive everywhere.")
+    _check_sheet(dataset)
+
+
+def _check_sheet(dataset: xr.Dataset) -> None:
+    """Matrices that are known are stiffnesses, and a of the variant "tangent" is that of C."""
+    variant = str(dataset["variant"].values)
+    if variant not in VARIANTS or not float(dataset["w_biaxial"]) >= 0.0:
+        raise SchemaError(f"A fit cannot have the variant {variant!r}, or w_biaxial below 0.")
+    for name in ("tangent", "in_plane"):
+        if variant == "tangent" or not np.isnan(dataset[name].values).all():
+            _check_stiffness(dataset[name].values, name)
+    if variant == "tangent":
+        directions = dataset["direction"].values
+        expected = directional_stiffness(dataset["tangent"].values, directions)
+        stored = dataset["fitted_value"].sel(parameter="a").values[0]
+        if not np.allclose(stored, expected, rtol=ROUNDING, atol=0.0):
+            raise SchemaError("The fitted a does not follow from the tangent.")
 
 
 #: index arrays and the dimension they point into

@@ -17,7 +17,11 @@ ONSET_QUANTITIES = ("kappa_0", "1/kappa_0", "none")
 
 
 def two_regime_moment(
-    curvature: ArrayLike, a: ArrayLike, b: ArrayLike, kappa_0: ArrayLike
+    curvature: ArrayLike,
+    a: ArrayLike,
+    b: ArrayLike,
+    kappa_0: ArrayLike,
+    softening: ArrayLike = 0.0,
 ) -> FloatArray:
     """Bending moment per width [Eq. 10]; all arguments broadcast.
 
@@ -26,6 +30,8 @@ def two_regime_moment(
     curvature : mm-1, non-negative.
     a, b : N mm, stiffness before and after contact.
     kappa_0 : mm-1, contact curvature; nan where there is no contact, b is then not used.
+    softening : mm N-1, s: what comes before contact, of energy E = a κ²/2, goes as log(1 + s E)/s.
+        0 is Eq. 10.
 
     Returns
     -------
@@ -33,16 +39,26 @@ def two_regime_moment(
     """
     kappa = np.asarray(curvature, dtype=float)
     beyond, extra = _beyond(kappa, a, b, kappa_0)
-    return np.asarray(np.asarray(a) * kappa + extra * beyond)
+    linear = np.asarray(a) * kappa
+    return np.asarray(
+        linear / (1.0 + 0.5 * np.asarray(softening) * linear * kappa) + extra * beyond
+    )
 
 
 def two_regime_energy(
-    curvature: ArrayLike, a: ArrayLike, b: ArrayLike, kappa_0: ArrayLike
+    curvature: ArrayLike,
+    a: ArrayLike,
+    b: ArrayLike,
+    kappa_0: ArrayLike,
+    softening: ArrayLike = 0.0,
 ) -> FloatArray:
     """Energy per area, N mm-1: the integral of `two_regime_moment` over the curvature."""
     kappa = np.asarray(curvature, dtype=float)
     beyond, extra = _beyond(kappa, a, b, kappa_0)
-    return np.asarray(0.5 * (np.asarray(a) * kappa**2 + extra * beyond**2))
+    energy = 0.5 * np.asarray(a) * kappa**2
+    s = np.asarray(softening, dtype=float)
+    soft = np.where(s > 0.0, np.log1p(s * energy) / np.where(s > 0.0, s, 1.0), energy)
+    return np.asarray(soft + 0.5 * extra * beyond**2)
 
 
 def _beyond(
@@ -90,13 +106,14 @@ def fit_parameters(fit: xr.Dataset, side: str, directions: ArrayLike) -> dict[st
 
     Parameters
     ----------
-    fit : dataset of kind fit/1.
+    fit : dataset of kind fit.
     side : one the fit has.
     directions : degree.
 
     Returns
     -------
-    By parameter, shaped as `directions`; b and kappa_0 are nan where no contact was seen.
+    By parameter, shaped as `directions`; b and kappa_0 are nan where no contact was seen. With the
+    fit's `softening` they are the arguments of `two_regime_moment`.
     """
     one = fit.sel(side=side)
     values = {

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 SIDES = ("closing", "opening")
 COMPONENTS = ("xx", "yy", "xy")
+#: Energies of a curvature tensor by name; a fit is for one of them.
+VARIANTS = ("tangent", "paper")
 #: What the errors of a fit were measured on, and how they were summed up.
 ASSESSMENTS = ("law", "model", "held_out_curvature", "held_out_direction")
 STATISTICS = ("median", "percentile_95", "worst")
@@ -182,23 +184,28 @@ SWEEP = Schema(
     ),
 )
 
+_VOIGT = (
+    Variable("component", ("component",), "text", "", "curvature or strain xx, yy, 2xy"),
+    Variable(
+        "other_component", ("other_component",), "text", "", "curvature or strain xx, yy, 2xy"
+    ),
+)
+_BENDING = "stiffness C: energy density 1/2 k C k with k = (kxx, kyy, 2 kxy)"
+_IN_PLANE = "in-plane stiffness A: energy density 1/2 E A E with E = (Exx, Eyy, 2 Exy)"
+
+
+def _matrix(name: str, units: str, long_name: str) -> Variable:
+    return Variable(name, ("component", "other_component"), "float64", units, long_name)
+
+
 TANGENT = Schema(
     "tangent",
-    1,
-    "Bending stiffness of a periodic scaled sheet at rest",
-    coordinates=(
-        _DIRECTION,
-        Variable("component", ("component",), "text", "", "curvature xx, yy, 2xy"),
-        Variable("other_component", ("other_component",), "text", "", "curvature xx, yy, 2xy"),
-    ),
+    2,
+    "Stiffness of a periodic scaled sheet at rest",
+    coordinates=(_DIRECTION, *_VOIGT),
     variables=(
-        Variable(
-            "matrix",
-            ("component", "other_component"),
-            "float64",
-            "N mm",
-            "stiffness C: energy density 1/2 k C k with k = (kxx, kyy, 2 kxy)",
-        ),
+        _matrix("matrix", "N mm", _BENDING),
+        _matrix("in_plane", "N mm-1", _IN_PLANE),
         Variable(
             "stiffness", ("direction",), "float64", "N mm", "moment per curvature in a direction"
         ),
@@ -291,13 +298,14 @@ _OVERALL = "assessment side"
 
 FIT = Schema(
     "fit",
-    1,
-    "Two-regime bending law of a scaled sheet in every direction",
+    2,
+    "Macro model of a scaled sheet: two-regime bending law in every direction",
     coordinates=(
         Variable("side", ("side",), "text", "", "side to which the sheet is bent"),
         _DIRECTION,
         Variable("parameter", ("parameter",), "text", "", "a before, b after contact at kappa_0"),
         Variable("parameter_units", ("parameter",), "text", "", "units of the parameter"),
+        *_VOIGT,
         Variable("harmonic", ("harmonic",), "int32", "1", "order k of cos 2k and sin 2k"),
         Variable("assessment", ("assessment",), "text", "", "samples the errors are taken at"),
         Variable("statistic", ("statistic",), "text", "", "statistic over samples"),
@@ -365,6 +373,11 @@ FIT = Schema(
         _mesh("n_parameters", "", "int32", "numbers that define the model"),
         _mesh("n_ignored", "", "int32", "samples ignored, not converged"),
         Variable("weighting", (), "text", "", "weights of the samples: relative or absolute"),
+        Variable("variant", (), "text", "", "energy of a curvature tensor: tangent or paper"),
+        _matrix("tangent", "N mm", f"{_BENDING}, nan if not known"),
+        _matrix("in_plane", "N mm-1", f"{_IN_PLANE}, nan if not known"),
+        _mesh("w_biaxial", "", "float64", "energy density 1/2 w det(k)^2", "N mm3"),
+        _mesh("softening", "", "float64", "s: energy E before contact is log(1 + s E)/s", "mm N-1"),
     ),
 )
 

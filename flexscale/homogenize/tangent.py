@@ -1,4 +1,19 @@
-"""Bending stiffness of the flat cell: three linear solves at kappa = 0."""
+"""Stiffness of the flat cell, in bending and in its plane: six linear solves at kappa = 0.
+
+Both are second derivatives of the cell's energy density at rest with everything else free. The
+flat cell has no forces, so that its Hessian in z is H = J^T K J, with K = d2E/dy2 and the in-plane
+strain S of the lattice among the unknowns z.
+
+Bending: with R the rates of the world vectors for unit curvatures, f = J^T K R,
+C = (R^T K R - f^T H^-1 f) / A; S is free, so that the sheet bends without in-plane force.
+
+In plane, at curvature 0: with S given and all other unknowns free, the energy is quadratic in S
+with the Schur complement of H. Its inverse is the S block of H^-1, a compliance, which unit loads
+on S give. To first order in S the Green strain of F = I + S is S, so this is the stiffness of a
+St. Venant-Kirchhoff law as well.
+
+H^-1 is meant under the mean-offset constraint throughout.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +36,18 @@ _SAMPLES = 1800
 
 @dataclass(frozen=True)
 class TangentStiffness:
-    """Bending stiffness C of a pattern at rest.
+    """Stiffness of a pattern at rest.
 
     Attributes
     ----------
-    matrix : (3, 3) N mm; energy density 1/2 k^T C k for k = (kappa_xx, kappa_yy, 2 kappa_xy) in
-        mm-1.
+    matrix : (3, 3) N mm, C in energy density 1/2 k^T C k for k = (kappa_xx, kappa_yy, 2 kappa_xy)
+        in mm-1, free of in-plane forces.
+    in_plane : (3, 3) N mm-1, energy density 1/2 E^T A E for Green strain E = (E_xx, E_yy, 2 E_xy),
+        held flat.
     """
 
     matrix: FloatArray
+    in_plane: FloatArray
 
     def stiffness(self, direction: ArrayLike) -> float | FloatArray:
         """a = C : (n n n n) for bending in `direction` [degrees], N mm; of the same shape."""
@@ -67,11 +85,7 @@ class TangentStiffness:
 
 
 def solve_tangent(problem: CellProblem) -> TangentStiffness:
-    """Tangent of a cell problem.
-
-    With R the rates of the world vectors for unit curvatures, K = d2E/dy2 and H = J^T K J at rest,
-    C = (R^T K R - f^T H^-1 f) / A, f = J^T K R, H^-1 under the mean-offset constraint.
-    """
+    """Tangent of a cell problem: bending and in-plane stiffness of its cell at rest."""
     embedding, pull_back = problem.embedding, problem.pull_back
     cell = problem.bent(Bend(0.0, 0.0))
     state = cell.evaluate(embedding.rest)
@@ -90,7 +104,20 @@ def solve_tangent(problem: CellProblem) -> TangentStiffness:
             for i in range(3)
         ]
     )
-    return TangentStiffness(0.5 * (matrix + matrix.T) / problem.area)
+    return TangentStiffness(0.5 * (matrix + matrix.T) / problem.area, _in_plane(problem))
+
+
+def _in_plane(problem: CellProblem) -> FloatArray:
+    """In-plane stiffness (3, 3), N mm-1; the system is factorized at rest."""
+    compliance = np.empty((3, 3))
+    for i in range(3):
+        load = np.zeros(len(problem.active))
+        load[-3 + i] = 1.0  # S is the end of z, and active
+        compliance[:, i] = problem.system.solve(load)[0][-3:]
+    # S_xy counts once: 2 E_xy = 1 is half the tensor e1 e2 + e2 e1.
+    scale = np.diag([1.0, 1.0, 0.5])
+    stiffness = scale @ np.linalg.inv(0.5 * (compliance + compliance.T)) @ scale
+    return stiffness / problem.area
 
 
 def tangent_stiffness(
@@ -101,7 +128,7 @@ def tangent_stiffness(
     scales: ScaleOptions | None = None,
     linear_solver: str = "auto",
 ) -> TangentStiffness:
-    """Bending stiffness tensor of a pattern at rest, in seconds.
+    """Bending and in-plane stiffness of a pattern at rest, in seconds.
 
     Parameters
     ----------

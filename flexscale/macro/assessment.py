@@ -9,7 +9,9 @@ import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.schema import ASSESSMENTS, STATISTICS
-from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions, fit_polar
+from flexscale.macro.flat_response import FlatResponse
+from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions
+from flexscale.macro.refine import fit_refined
 from flexscale.macro.samples import Samples
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
 
@@ -44,14 +46,21 @@ class FitErrors:
 
 
 def assess(
-    samples: Samples, laws: DirectionalLaws, polar: PolarLaw, weighting: Weighting
+    samples: Samples,
+    laws: DirectionalLaws,
+    polar: PolarLaw,
+    weighting: Weighting,
+    flat: FlatResponse | None = None,
 ) -> FitErrors:
-    """All errors of a fit; refits it once per curvature and per computed direction."""
+    """All errors of a fit; refits it once per curvature and per computed direction.
+
+    `flat` : response without contact, where the fit was given it.
+    """
     predictions = {
         "law": _predict(samples, lambda side: laws.law(side)),
         "model": _predict_polar(samples, polar),
-        "held_out_curvature": _without_curvatures(samples, laws, weighting),
-        "held_out_direction": _without_directions(samples, laws, weighting),
+        "held_out_curvature": _without_curvatures(samples, laws, weighting, flat),
+        "held_out_direction": _without_directions(samples, laws, weighting, flat),
     }
     energy, moment = (
         np.stack([predictions[name][part] for name in ASSESSMENTS]) for part in (0, 1)
@@ -60,14 +69,14 @@ def assess(
     energy_off = np.where(used, energy - samples.energy, np.nan)
     moment_off = np.where(used, moment - samples.moment, np.nan)
     relative = np.abs(moment_off) / np.where(used, np.abs(samples.moment), np.nan)
-    flat = (len(ASSESSMENTS), len(samples.sides), -1)
+    by_side = (len(ASSESSMENTS), len(samples.sides), -1)
     return FitErrors(
         _rms(energy_off),
         _rms(moment_off),
         _statistics(relative),
-        _rms(energy_off.reshape(flat)),
-        _rms(moment_off.reshape(flat)),
-        _statistics(relative.reshape(flat)),
+        _rms(energy_off.reshape(by_side)),
+        _rms(moment_off.reshape(by_side)),
+        _statistics(relative.reshape(by_side)),
     )
 
 
@@ -79,7 +88,8 @@ def _predict(samples: Samples, law_of: Callable[[int], UniaxialLaw]) -> Predicti
     energy, moment = [], []
     for side in range(len(samples.sides)):
         law = law_of(side)
-        columns = UniaxialLaw(*(np.asarray(x)[:, None] for x in (law.a, law.b, law.kappa_0)))
+        a, b, kappa_0 = (np.asarray(x)[:, None] for x in (law.a, law.b, law.kappa_0))
+        columns = UniaxialLaw(a, b, kappa_0, law.softening)
         energy.append(columns.energy(samples.curvatures))
         moment.append(columns.moment(samples.curvatures))
     return np.stack(energy), np.stack(moment)
@@ -90,15 +100,15 @@ def _predict_polar(samples: Samples, polar: PolarLaw) -> Prediction:
 
 
 def _without_curvatures(
-    samples: Samples, laws: DirectionalLaws, weighting: Weighting
+    samples: Samples, laws: DirectionalLaws, weighting: Weighting, flat: FlatResponse | None
 ) -> Prediction:
     """At each curvature but the last (beyond it would be extrapolation), the model without it."""
     energy, moment = np.full_like(samples.energy, np.nan), np.full_like(samples.moment, np.nan)
     contact = np.isfinite(laws.kappa_0)
     for index in range(len(samples.curvatures) - 1):
         fewer = samples.without_curvature(index)
-        again = fit_directions(fewer, weighting, contact)
-        polar = fit_polar(again, fewer, weighting)
+        again = fit_directions(fewer, weighting, flat, contact)
+        polar = fit_refined(again, fewer, weighting, flat)
         if polar is None:
             continue
         # Lines that lost their only sample before the onset no longer know it.
@@ -110,13 +120,13 @@ def _without_curvatures(
 
 
 def _without_directions(
-    samples: Samples, laws: DirectionalLaws, weighting: Weighting
+    samples: Samples, laws: DirectionalLaws, weighting: Weighting, flat: FlatResponse | None
 ) -> Prediction:
     """In each computed direction and its copies, the model without them."""
     energy, moment = np.full_like(samples.energy, np.nan), np.full_like(samples.moment, np.nan)
     for source in np.unique(samples.sources):
         left_out = samples.sources == source
-        polar = fit_polar(laws, samples, weighting, ~left_out)
+        polar = fit_refined(laws, samples, weighting, flat, ~left_out)
         if polar is not None:
             guess = _predict_polar(samples, polar)
             energy[:, left_out], moment[:, left_out] = guess[0][:, left_out], guess[1][:, left_out]

@@ -79,6 +79,15 @@ class Harmonics:
         return float(self.minima()[1].min())
 
 
+def stiffness_harmonics(tangent: FloatArray) -> Harmonics:
+    """a(θ) = k·C k, k = (cos²θ, sin²θ, 2 sin θ cos θ), as harmonics: exact with order 2."""
+    xx, yy, xy = np.diag(tangent)
+    mean, mixed = (xx + yy) / 8.0, (2.0 * tangent[0, 1] + 4.0 * xy) / 8.0
+    cosine = np.array([3.0 * mean + mixed, (xx - yy) / 2.0, mean - mixed])
+    sine = np.array([0.0, tangent[0, 2] + tangent[1, 2], (tangent[0, 2] - tangent[1, 2]) / 2.0])
+    return Harmonics(cosine, sine)
+
+
 def harmonic_matrix(directions: FloatArray, order: int) -> FloatArray:
     """(m, 2 n + 1): columns 1, cos 2θ … cos 2nθ, sin 2θ … sin 2nθ."""
     angle = 2.0 * np.deg2rad(np.asarray(directions, dtype=float))[:, None]

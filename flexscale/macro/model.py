@@ -1,8 +1,7 @@
-"""The macro model of uniaxial bending: energy and moment in any direction [Eqs. 10, 11]."""
+"""The macro model: energy and moment of uniaxial bending, and of any curvature [Eqs. 10 to 13]."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,22 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.datasets.build import build_fit_dataset
-from flexscale.datasets.fit_values import PARAMETERS, FloatArray
-from flexscale.datasets.schema import SCALARS, schema_of
-from flexscale.errors import SchemaError, UnitRangeError, UnknownNameError, suggest
+from flexscale.datasets.fit_values import FloatArray
+from flexscale.datasets.schema import SIDES
+from flexscale.errors import BadInputError, UnitRangeError, UnknownNameError, suggest
 from flexscale.macro.assessment import FitErrors
-from flexscale.macro.harmonics import Harmonics
-from flexscale.macro.polar import DirectionalLaws, PolarLaw
-from flexscale.macro.summary import describe_errors, describe_laws
+from flexscale.macro.law_table import build_law_table
+from flexscale.macro.polar import DirectionalLaws, PolarLaw, Variant
+from flexscale.macro.storage import read_model, write_model
+from flexscale.macro.summary import describe_errors, describe_laws, describe_sheet
+from flexscale.macro.tensor_law import bending
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from flexscale.datasets.identity import Recipe
-
-_ERRORS = tuple(FitErrors.__dataclass_fields__)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,6 +36,10 @@ class MacroModel:
     laws : parameters in the sampled directions, as fitted there.
     errors : how far the fit is from its samples, and from samples held out.
     weighting : "relative" or "absolute".
+    variant : energy of a curvature tensor, "tangent" or "paper", see `tensor_law`.
+    tangent : (3, 3) N mm, stiffness C of the flat cell; "tangent" has one.
+    in_plane : (3, 3) N mm-1, energy density ½ EᵀAE for Green strain E = (E_xx, E_yy, 2 E_xy).
+    w_biaxial : N mm3, resistance to double curvature.
     n_ignored : samples of the sweep that did not converge and were ignored.
     labels : scalar coordinates of the sweep: pattern, family, sizes, materials.
     config : how the fit was made, JSON-able.
@@ -47,6 +49,10 @@ class MacroModel:
     laws: DirectionalLaws
     errors: FitErrors
     weighting: Weighting
+    variant: Variant = "paper"
+    tangent: FloatArray | None = None
+    in_plane: FloatArray | None = None
+    w_biaxial: float = 0.0
     n_ignored: int = 0
     labels: Mapping[str, float | str] = field(default_factory=dict)
     config: Mapping[str, Any] = field(default_factory=dict)
@@ -58,9 +64,15 @@ class MacroModel:
 
     @property
     def n_parameters(self) -> int:
-        """Numbers that define the model: 5 for a, which both sides share, and 14 a side."""
+        """Numbers that define the law: 5 for a, or 6 for C and one softening, and 14 a side."""
         per_side = zip(self.polar.b, self.polar.onset, strict=True)
-        return self.polar.a.n_parameters + sum(b.n_parameters + k.n_parameters for b, k in per_side)
+        before = 7 if self.variant == "tangent" else self.polar.a.n_parameters
+        return before + sum(b.n_parameters + k.n_parameters for b, k in per_side)
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether one side was not sampled; a tensor that bends to it finds no contact there."""
+        return len(self.sides) < len(SIDES)
 
     @property
     def largest_curvature(self) -> float:
@@ -68,14 +80,14 @@ class MacroModel:
         return self.polar.largest_curvature
 
     def parameters(self, direction: ArrayLike, side: str = "closing") -> UniaxialLaw:
-        """a, b [N mm] and kappa_0 [mm-1] in directions (degree).
+        """a, b [N mm], kappa_0 [mm-1] and softening [mm N-1] in directions (degree).
 
         b and kappa_0 are nan where no contact was seen up to the largest curvature of the sweep.
         Numbers for one direction, arrays for several.
         """
         law = self.polar.law(_directions(direction), self._side(side))
         if np.ndim(direction) == 0:
-            return UniaxialLaw(float(law.a), float(law.b), float(law.kappa_0))
+            return UniaxialLaw(float(law.a), float(law.b), float(law.kappa_0), law.softening)
         return law
 
     def moment(
@@ -90,6 +102,59 @@ class MacroModel:
         """Energy per area [N mm-1], the integral of `moment` over the curvature."""
         return self._law(direction, side).energy(_curvatures(curvature))
 
+    def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
+        """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
+        return self._evaluate(curvature)[0]
+
+    def tensor_moment(self, curvature: ArrayLike) -> FloatArray:
+        """Moments per width (…, 2, 2) in N: derivative of `tensor_energy` by the tensor.
+
+        Where a principal curvature is at the onset, or with "paper" where both are equal, see
+        `tensor_law`.
+        """
+        grad = self._evaluate(curvature)[1]
+        xx, xy, yy = grad[..., 0], 0.5 * grad[..., 1], grad[..., 2]
+        return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+
+    def law_parameters(self) -> FloatArray:
+        """Numbers of this model for `energy` and `law` of `flexscale.macro.tensor_law`.
+
+        Raises
+        ------
+        BadInputError : the in-plane stiffness is not known.
+        """
+        if self.in_plane is None:
+            raise BadInputError(
+                "A sheet needs the in-plane stiffness of the cell, which this model does not know: "
+                "fit it again with fit(sweep, tangent=fs.tangent_stiffness(pattern))."
+            )
+        return self._table(self.in_plane)
+
+    def _table(self, in_plane: FloatArray | None) -> FloatArray:
+        return build_law_table(
+            self.polar,
+            variant=self.variant,
+            tangent=self.tangent,
+            in_plane=in_plane,
+            w_biaxial=self.w_biaxial,
+        )
+
+    def _evaluate(self, curvature: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Energies (…), and gradients (…, 3) by (b11, b12, b22)."""
+        tensors = np.asarray(curvature, dtype=float)
+        if tensors.shape[-2:] != (2, 2) or not np.isfinite(tensors).all():
+            raise UnitRangeError(
+                "A curvature tensor is a symmetric 2 by 2 matrix of finite numbers in mm-1, not "
+                f"{curvature!r}."
+            )
+        off = np.abs(tensors[..., 0, 1] - tensors[..., 1, 0])
+        if np.any(off > 1e-9 * np.abs(tensors).max(axis=(-2, -1))):  # more than rounding
+            raise UnitRangeError(f"Curvature tensors are symmetric, but {curvature!r} is not.")
+        forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
+        energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))
+        bending(forms, self._table(None), energies, gradients)
+        return energies.reshape(tensors.shape[:-2]), gradients.reshape(*tensors.shape[:-2], 3)
+
     def _law(self, direction: ArrayLike, side: str) -> UniaxialLaw:
         # Contact beyond the samples stays in, or the energy would jump with the direction there.
         return self.polar.law(_directions(direction), self._side(side), within=False)
@@ -100,44 +165,8 @@ class MacroModel:
         return self.sides.index(side)
 
     def to_dataset(self, recipe: Recipe | None = None) -> xr.Dataset:
-        """Dataset of kind fit/1; all of the model is in it."""
-        sampled, fitted = [], []
-        for side in range(len(self.sides)):
-            law, smooth = self.laws.law(side), self.polar.law(self.laws.directions, side)
-            sampled.append([law.a, law.b, law.kappa_0])
-            fitted.append([smooth.a, smooth.b, smooth.kappa_0])
-        arrays: dict[str, Any] = {name: getattr(self.errors, name) for name in _ERRORS}
-        arrays |= {
-            "cos_coefficient": self._coefficients("cosine"),
-            "sin_coefficient": self._coefficients("sine"),
-            "order": [self.polar.a.order, self.polar.b[0].order, self.polar.onset[0].order],
-            "onset_quantity": list(self.polar.onset_quantity),
-            "directional_value": np.array(sampled),
-            "fitted_value": np.array(fitted),
-            "samples_before": self.laws.n_before,
-            "samples_beyond": self.laws.n_beyond,
-            "largest_curvature": self.largest_curvature,
-            "n_parameters": self.n_parameters,
-            "n_ignored": self.n_ignored,
-            "weighting": self.weighting,
-        }
-        return build_fit_dataset(
-            self.sides,
-            self.laws.directions,
-            arrays,
-            scalars=self.labels,
-            config=self.config,
-            recipe=recipe,
-        )
-
-    def _coefficients(self, part: str) -> FloatArray:
-        """(s, 3, 4) cosine or sine coefficients; orders a parameter does not have are 0."""
-        rows = []
-        for b, onset in zip(self.polar.b, self.polar.onset, strict=True):
-            found = [getattr(item, part) for item in (self.polar.a, b, onset)]
-            longest = max(len(row) for row in found)
-            rows.append([np.pad(row, (0, longest - len(row))) for row in found])
-        return np.array(rows)
+        """Dataset of kind fit; all of the model is in it."""
+        return write_model(self, recipe)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> MacroModel:
@@ -147,65 +176,23 @@ class MacroModel:
         ------
         SchemaError : not a fit.
         """
-        missing = [item.name for item in schema_of("fit").variables if item.name not in dataset]
-        if missing:
-            raise SchemaError(f"A macro model is a dataset of kind fit; no {', '.join(missing)}.")
-        sides = tuple(str(side) for side in dataset["side"].values)
-        values = {name: dataset[name].values for name in dataset.variables}
-        directional = values["directional_value"]
-        a = directional[:, 0]
-        laws = DirectionalLaws(
-            values["direction"],
-            np.where(np.isnan(a[0]), a[-1], a[0]),
-            directional[:, 1],
-            directional[:, 2],
-            values["samples_before"],
-            values["samples_beyond"],
-        )
-        labels = {item.name: values[item.name].item() for item in SCALARS if item.name in values}
-        return cls(
-            polar=_polar_of(dataset, sides),
-            laws=laws,
-            errors=FitErrors(**{name: values[name] for name in _ERRORS}),
-            weighting=values["weighting"].item(),
-            n_ignored=int(values["n_ignored"]),
-            labels=labels,
-            config=json.loads(dataset.attrs["flexscale_config"]),
-        )
+        return cls(**read_model(dataset))
 
     def __repr__(self) -> str:
         who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()
-        head = f"MacroModel {who}: {self.n_parameters} variables, {self.weighting} weighting"
+        head = f"MacroModel {who}: energy {self.variant!r}, {self.n_parameters} variables, "
+        head += f"{self.weighting} weighting"
         lines = [
             head,
             *describe_laws(self.laws, self.polar),
+            *describe_sheet(self.in_plane, self.w_biaxial),
             *describe_errors(self.errors, self.sides),
         ]
+        for side in set(SIDES) - set(self.sides):
+            lines.append(f"  one-sided: {side} was not sampled, and counts as free of contact")
         if self.n_ignored:
             lines.append(f"  {self.n_ignored} samples that did not converge were ignored")
         return "\n".join(lines)
-
-
-def _polar_of(dataset: xr.Dataset, sides: tuple[str, ...]) -> PolarLaw:
-    orders = {
-        name: int(order) for name, order in zip(PARAMETERS, dataset["order"].values, strict=True)
-    }
-    found: dict[str, list[Harmonics]] = {name: [] for name in PARAMETERS}
-    for side in sides:
-        for name in PARAMETERS:
-            one = dataset.sel(side=side, parameter=name)
-            cut = slice(0, orders[name] + 1)
-            found[name].append(
-                Harmonics(one["cos_coefficient"].values[cut], one["sin_coefficient"].values[cut])
-            )
-    return PolarLaw(
-        sides,
-        found["a"][0],
-        tuple(found["b"]),
-        tuple(found["kappa_0"]),
-        tuple(str(item) for item in dataset["onset_quantity"].values),
-        float(dataset["largest_curvature"]),
-    )
 
 
 def _directions(direction: ArrayLike) -> FloatArray:

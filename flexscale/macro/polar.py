@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray, onset_curvature
 from flexscale.errors import BadInputError
+from flexscale.macro.flat_response import FlatResponse
 from flexscale.macro.harmonics import FLOOR_SHARE, Harmonics, fit_harmonics
 from flexscale.macro.samples import (
     ORDER_A,
@@ -17,6 +20,11 @@ from flexscale.macro.samples import (
     well_spread,
 )
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting, fit_uniaxial
+
+log = logging.getLogger(__name__)
+
+#: Energies of a curvature tensor, by name; see `tensor_law`.
+Variant = Literal["tangent", "paper"]
 
 #: Samples beyond the onset that b needs: with one, b and κ0 trade off against each other.
 LEAST_BEYOND = 2
@@ -36,6 +44,7 @@ class DirectionalLaws:
     a : (d,) N mm, shared by the sides; nan where a direction has too few samples.
     b, kappa_0 : (s, d) N mm, mm-1; nan without contact.
     n_before, n_beyond : (s, d) number of samples up to and beyond the onset, or all and 0.
+    softening : mm N-1, of all directions.
     """
 
     directions: FloatArray
@@ -44,6 +53,7 @@ class DirectionalLaws:
     kappa_0: FloatArray
     n_before: np.ndarray
     n_beyond: np.ndarray
+    softening: float = 0.0
 
     @property
     def sampled(self) -> np.ndarray:
@@ -53,7 +63,7 @@ class DirectionalLaws:
     def law(self, side: int) -> UniaxialLaw:
         """Laws of a side (by index) in all sampled directions, (d,) each."""
         a = np.where(self.sampled[side], self.a, np.nan)
-        return UniaxialLaw(a, self.b[side], self.kappa_0[side])
+        return UniaxialLaw(a, self.b[side], self.kappa_0[side], self.softening)
 
 
 @dataclass(frozen=True)
@@ -69,6 +79,7 @@ class PolarLaw:
         contact occurs in every direction; "1/kappa_0" [mm] where it is missing in part of the
         circle (0 or less means no contact); "none" where there is no contact at all.
     largest_curvature : mm-1, of the samples; contact beyond it was not seen.
+    softening : mm N-1, of all directions, see `two_regime_moment`.
     """
 
     sides: tuple[str, ...]
@@ -77,6 +88,7 @@ class PolarLaw:
     onset: tuple[Harmonics, ...]
     onset_quantity: tuple[str, ...]
     largest_curvature: float
+    softening: float = 0.0
 
     def law(self, directions: FloatArray, side: int, *, within: bool = True) -> UniaxialLaw:
         """Laws of a side (by index) in any directions (degree).
@@ -87,15 +99,19 @@ class PolarLaw:
         largest = self.largest_curvature if within else np.inf
         kappa_0 = onset_curvature(self.onset_quantity[side], self.onset[side](directions), largest)
         b = np.where(np.isnan(kappa_0), np.nan, self.b[side](directions))
-        return UniaxialLaw(self.a(directions), b, kappa_0)
+        return UniaxialLaw(self.a(directions), b, kappa_0, self.softening)
 
 
 def fit_directions(
-    samples: Samples, weighting: Weighting, contact: np.ndarray | None = None
+    samples: Samples,
+    weighting: Weighting,
+    flat: FlatResponse | None = None,
+    contact: np.ndarray | None = None,
 ) -> DirectionalLaws:
     """Law of every direction with enough samples.
 
-    `contact` (s, d) bool: which lines meet contact, where known already; else decided here.
+    `flat`: response without contact, where known already. `contact` (s, d) bool: which lines meet
+    contact, where known already; else decided here.
     """
     shape = (len(samples.sides), len(samples.directions))
     a, b, kappa_0 = np.full(shape[1], np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
@@ -105,17 +121,23 @@ def fit_directions(
         known = None
         if contact is not None:
             known = [side for side, yes in zip(samples.sides, contact[:, d], strict=True) if yes]
-        for side, law in (fit_uniaxial(lines, weighting, known) if lines else {}).items():
+        before = None if flat is None else flat.law(samples.directions[d])
+        laws = fit_uniaxial(lines, weighting, known, before) if lines else {}
+        for side, law in laws.items():
             s = samples.sides.index(side)
             a[d], b[s, d], kappa_0[s, d] = law.a, law.b, law.kappa_0
             beyond = lines[side].curvature > law.kappa_0
             n_beyond[s, d] = np.count_nonzero(beyond)
             n_before[s, d] = np.count_nonzero(~beyond)
-    return DirectionalLaws(samples.directions, a, b, kappa_0, n_before, n_beyond)
+    softening = 0.0 if flat is None else flat.softening
+    return DirectionalLaws(samples.directions, a, b, kappa_0, n_before, n_beyond, softening)
 
 
 def require_visible_onset(laws: DirectionalLaws, samples: Samples) -> None:
     """Refuse a sweep whose samples do not bracket the onset.
+
+    Where one side does and the other has only begun to touch, the log says so: the model then has
+    no contact on that side.
 
     Raises
     ------
@@ -132,38 +154,49 @@ def require_visible_onset(laws: DirectionalLaws, samples: Samples) -> None:
                 f"besides 0, {first:g} mm-1 (onset near {laws.kappa_0[s, d]:.3g} mm-1): add "
                 "curvatures before it."
             )
-        seen = np.isfinite(laws.kappa_0[s])
-        if seen.any() and not (laws.n_beyond[s][seen] >= LEAST_BEYOND).any():
-            last = samples.curvatures[-2:]
-            raise BadInputError(
-                f"The sweep is too coarse to see the onset of contact: {side}, in no direction "
-                f"are there {LEAST_BEYOND} samples beyond it (the last curvatures are {last[0]:g} "
-                f"and {last[1]:g} mm-1, the onset is near {np.nanmin(laws.kappa_0[s]):.3g} mm-1): "
-                "add curvatures between or beyond."
-            )
+    seen = [bool(np.isfinite(onsets).any()) for onsets in laws.kappa_0]
+    resolved = [bool((beyond >= LEAST_BEYOND).any()) for beyond in laws.n_beyond]
+    for s in range(len(samples.sides)):
+        if not seen[s] or resolved[s]:
+            continue
+        last = samples.curvatures[-2:]
+        problem = (
+            f"The sweep is too coarse to see the onset of contact: {samples.sides[s]}, in no "
+            f"direction are there {LEAST_BEYOND} samples beyond it (the last curvatures are "
+            f"{last[0]:g} and {last[1]:g} mm-1, the onset is near "
+            f"{np.nanmin(laws.kappa_0[s]):.3g} mm-1): add curvatures between or beyond."
+        )
+        if not any(resolved):
+            raise BadInputError(problem)
+        log.warning("%s The model has no contact on this side.", problem)
 
 
 def fit_polar(
     laws: DirectionalLaws,
     samples: Samples,
     weighting: Weighting,
+    flat: FlatResponse | None = None,
     chosen: np.ndarray | None = None,
 ) -> PolarLaw | None:
     """Harmonics through the laws of the chosen directions, (d,) bool; all if not given.
 
-    None where these directions do not determine the harmonics. Residuals are relative to the
-    values with relative weighting: along a strip of hinges a sheet may be a hundred times softer
-    than across, and these soft directions are those it bends in.
+    `flat`: response without contact, where known already; else harmonics are fitted to a. None
+    where these directions do not determine the harmonics. Residuals are relative to the values with
+    relative weighting: along a strip of hinges a sheet may be a hundred times softer than across,
+    and these soft directions are those it bends in.
     """
     chosen = np.ones(len(laws.directions), dtype=bool) if chosen is None else chosen
     known = chosen & np.isfinite(laws.a)
     if not well_spread(laws.directions[known], ORDER_B):
         return None
-    a = _positive(laws.directions[known], laws.a[known], ORDER_A, weighting)
+    if flat is None:
+        a = _positive(laws.directions[known], laws.a[known], ORDER_A, weighting)
+    else:
+        a = flat.stiffness
     largest = float(samples.curvatures[-1])
     fitted = [_fit_contact(laws, s, known, largest, weighting) for s in range(len(samples.sides))]
     b, onset, quantity = zip(*fitted, strict=True)
-    return PolarLaw(samples.sides, a, b, onset, quantity, largest)
+    return PolarLaw(samples.sides, a, b, onset, quantity, largest, laws.softening)
 
 
 def _fit_contact(

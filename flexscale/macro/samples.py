@@ -36,8 +36,7 @@ class Samples:
     directions, curvatures : (d,) degree; (c,) mm-1, positive and increasing.
     energy, moment : (s, d, c) N mm-1; N.
     used : (s, d, c) bool, samples that count: converged, in a line with enough of them.
-    touches : (s, d) bool, whether scales touch somewhere along the line; None where contact was
-        not measured.
+    touches : (s, d, c) bool, whether scales touch; None where contact was not measured.
     sources : (d,) degree, the direction that was computed; others are copies by symmetry.
     n_ignored : number of samples ignored since they did not converge.
     """
@@ -58,12 +57,13 @@ class Samples:
         for index, side in enumerate(self.sides):
             used = self.used[index, direction]
             if used.any():
-                touches = None if self.touches is None else bool(self.touches[index, direction])
+                curvature = self.curvatures[used]
+                touches = None if self.touches is None else self.touches[index, direction][used]
                 lines[side] = Line(
-                    self.curvatures[used],
+                    curvature,
                     self.energy[index, direction][used],
                     self.moment[index, direction][used],
-                    touches,
+                    None if touches is None else _free_until(curvature, touches),
                 )
         return lines
 
@@ -138,14 +138,22 @@ def _enough(used: np.ndarray) -> np.ndarray:
     return np.asarray(used & (used.sum(axis=-1, keepdims=True) >= LEAST_CURVATURES))
 
 
+def _free_until(curvature: FloatArray, touches: np.ndarray) -> float:
+    """Last curvature before scales touch first, 0 if they do at once; inf if they never do."""
+    if not touches.any():
+        return np.inf
+    first = int(np.argmax(touches))
+    return float(curvature[first - 1]) if first else 0.0
+
+
 def _touching(sweep: xr.Dataset, converged: np.ndarray) -> np.ndarray | None:
-    """(s, d) whether contact pairs were active; None when no sample has any, or none counted.
+    """(s, d, c) whether contact pairs are active; None when no sample has any, or none counted.
 
     Pairs nowhere in a sweep may mean that contact was not modeled: then the curves decide.
     """
     if "contact_pairs" not in sweep:
         return None
-    touching = np.any((sweep["contact_pairs"].values > 0) & converged, axis=-1)
+    touching = (sweep["contact_pairs"].values > 0) & converged
     return np.asarray(touching) if touching.any() else None
 
 

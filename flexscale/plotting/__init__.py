@@ -2,9 +2,19 @@
 
 from flexscale.plotting.curves import curves
 from flexscale.plotting.fits import fit
+from flexscale.plotting.macro_polar import macro_polar
 from flexscale.plotting.polar import polar, stiffness
 from flexscale.plotting.saving import save_figure
 from flexscale.plotting.scene import cell
 from flexscale.plotting.style import flexscale_style
 
-__all__ = ["cell", "curves", "fit", "flexscale_style", "polar", "save_figure", "stiffness"]
+__all__ = [
+    "cell",
+    "curves",
+    "fit",
+    "flexscale_style",
+    "macro_polar",
+    "polar",
+    "save_figure",
+    "stiffness",
+]

@@ -54,7 +54,7 @@ def curves(
     sides : "closing", "opening" or both; None takes all the sweep has. Closing lines are solid,
         opening lines dashed.
     variable : any sample variable of the sweep, for instance "energy_density" or "min_gap".
-    fit : dataset of kind fit/1; its curves are drawn on top, and samples become mere markers,
+    fit : dataset of kind fit; its curves are drawn on top, and samples become mere markers,
         filled for closing and open for opening. For "moment" and "energy_density" only.
 
     Returns

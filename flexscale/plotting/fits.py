@@ -53,7 +53,13 @@ SYMBOLS = {"a": "a", "b": "b", "kappa_0": "κ₀"}
 ONE_SAMPLE_NOTE = "b is left out where a single sample lies beyond the onset"
 HARMONICS_STYLE: Any = (0, (1.2, 1.2))
 _SIDE_MARKERS = {"closing": "o", "opening": "s"}
-_NEEDED = ("cos_coefficient", "sin_coefficient", "directional_value", "samples_beyond")
+_NEEDED = (
+    "cos_coefficient",
+    "sin_coefficient",
+    "directional_value",
+    "samples_beyond",
+    "softening",
+)
 
 
 def fit(
@@ -63,7 +69,7 @@ def fit(
 
     Parameters
     ----------
-    model : dataset of kind fit/1, as from `MacroModel.to_dataset`.
+    model : dataset of kind fit, as from `MacroModel.to_dataset`.
     sweep : the sweep it was fitted to; with it, energy and moment over curvature are drawn below.
     direction : degree, of these curves; the one that makes contact first if not given.
 
@@ -106,7 +112,7 @@ def fitted_curve(
     `variable` : of RESPONSES; the parameters are those of the harmonics.
     """
     law = {name: float(v) for name, v in fit_parameters(model, side, direction).items()}
-    return _law_curve(law, variable, largest)
+    return _law_curve(law, float(model["softening"]), variable, largest)
 
 
 def require_fitted(variable: str) -> None:
@@ -119,13 +125,13 @@ def require_fitted(variable: str) -> None:
 
 
 def _law_curve(
-    law: dict[str, float], variable: str, largest: float
+    law: dict[str, float], softening: float, variable: str, largest: float
 ) -> tuple[FloatArray, FloatArray]:
     kappa = np.linspace(0.0, largest, 201)
     onset = law["kappa_0"]
     if not np.isnan(onset) and onset < largest:
         kappa = np.sort(np.append(kappa, onset))
-    return kappa, RESPONSES[variable](kappa, law["a"], law["b"], onset)
+    return kappa, RESPONSES[variable](kappa, law["a"], law["b"], onset, softening)
 
 
 def _draw_parameter(
@@ -206,7 +212,8 @@ def _draw_response(
     near = int(np.argmin(np.abs(model["direction"].values - direction)))
     law = {name: float(at.sel(parameter=name).values[near]) for name in PARAMETERS}
     look = {"color": MACRO_COLOR, "linestyle": SIDE_LINESTYLES[side]}
-    axes.plot(*_law_curve(law, variable, kappa[-1]), label=f"law {side}", **look)
+    fitted = _law_curve(law, float(model["softening"]), variable, kappa[-1])
+    axes.plot(*fitted, label=f"law {side}", **look)
     smooth = fitted_curve(model, side, direction, variable, kappa[-1])
     look["linestyle"] = HARMONICS_STYLE
     axes.plot(*smooth, label=f"harmonics {side}", linewidth=0.9, **look)

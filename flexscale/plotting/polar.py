@@ -91,7 +91,7 @@ def stiffness(tangent: xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Datas
 
     Parameters
     ----------
-    tangent : dataset of kind tangent/1, several, or several by the label to give each.
+    tangent : dataset of kind tangent, several, or several by the label to give each.
 
     Returns
     -------

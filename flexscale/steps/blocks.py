@@ -22,6 +22,7 @@ Area = Annotated[float, unit("mm2")]
 Curvature = Annotated[float, unit("mm-1")]
 Modulus = Annotated[float, unit("MPa")]
 Direction = Annotated[float, unit("degree")]
+DoubleBending = Annotated[float, unit("N mm3")]
 Number = Annotated[float, unit("1")]
 Side = Literal["closing", "opening"]
 

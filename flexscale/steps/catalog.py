@@ -109,9 +109,11 @@ class ShapeParameters(NativeParameters):
 
 
 class FitParameters(Parameters):
-    """Also how samples are weighed: "relative" or "absolute"."""
+    """Also how samples are weighed, the energy by name, and w_biaxial (N mm3, None: default)."""
 
     weighting: Literal["relative", "absolute"]
+    variant: Literal["tangent", "paper"]
+    w_biaxial: float | None
 
 
 @dataclass(frozen=True)
@@ -152,9 +154,9 @@ STEPS: dict[str, Step] = {
     step.name: step
     for step in (
         Step("cell", 1, CellParameters),
-        Step("tangent", 2, TangentParameters, inputs=("cell",)),
+        Step("tangent", 3, TangentParameters, inputs=("cell",)),
         Step("sweep", 2, SweepParameters, inputs=("cell",), parallel=True),
         Step("shape", 2, ShapeParameters, inputs=("cell",)),
-        Step("fit", 1, FitParameters, inputs=("sweep",)),
+        Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
     )
 }

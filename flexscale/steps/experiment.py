@@ -12,6 +12,7 @@ from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.macro.polar import Variant
 from flexscale.macro.samples import require_axes
 from flexscale.macro.uniaxial import Weighting
 from flexscale.mechanics.contact_options import ContactOptions
@@ -24,6 +25,7 @@ from flexscale.steps.blocks import (
     Block,
     Curvature,
     Direction,
+    DoubleBending,
     PatternBlock,
     Side,
 )
@@ -32,7 +34,7 @@ from flexscale.steps.quantities import declared, series
 
 Directions = Annotated[tuple[Direction, ...], series("degree")]
 Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
-FigureName = Literal["polar", "curves", "tangent", "cell", "fit", "fitted_curves"]
+FigureName = Literal["polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar"]
 #: Blocks a figure needs.
 _FIGURE_BLOCKS = {
     "polar": "sweep",
@@ -41,6 +43,7 @@ _FIGURE_BLOCKS = {
     "cell": "shapes",
     "fit": "fit",
     "fitted_curves": "fit",
+    "macro_polar": "fit",
 }
 
 
@@ -96,10 +99,16 @@ class TangentBlock(Block):
 
 
 class FitBlock(Block):
-    """Two-regime law in every direction, fitted to the sweep."""
+    """Macro model: two-regime law in every direction, fitted to the sweep."""
 
     weighting: Weighting = declared(
         "relative", "errors relative to each sample, or absolute as in the paper"
+    )
+    variant: Variant = declared(
+        "tangent", "energy of a curvature tensor: on the tangent of the flat sheet, or the paper's"
+    )
+    w_biaxial: DoubleBending | None = declared(
+        None, "resistance to double curvature, from the tile's size if left out", ge=0.0
     )
 
 

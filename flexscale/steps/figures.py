@@ -63,6 +63,11 @@ FIGURES = {
         lambda plot, fit, sweep: plot.curves(sweep, fit=fit),
         "Bending moment against curvature: samples, and the fit on top.",
     ),
+    "macro_polar": FigureRecipe(
+        ("fit", "sweep"),
+        lambda plot, fit, sweep: plot.macro_polar(fit, sweep),
+        "Bending moment against bending direction: native samples and the macro model.",
+    ),
 }
 
 

@@ -1,4 +1,4 @@
-"""Step `fit`: the macro model of uniaxial bending, from a sweep."""
+"""Step `fit`: the macro model, from a sweep and the stiffness of the flat sheet."""
 
 from __future__ import annotations
 
@@ -17,6 +17,12 @@ if TYPE_CHECKING:
 def compute(
     parameters: FitParameters, inputs: Mapping[str, xr.Dataset], resources: Resources
 ) -> xr.Dataset:
-    """Dataset of kind fit/1; samples of the sweep that did not converge are left out."""
-    model = fit(inputs["sweep"], weighting=parameters.weighting)
+    """Dataset of kind fit; samples of the sweep that did not converge are left out."""
+    model = fit(
+        inputs["sweep"],
+        inputs["tangent"],
+        variant=parameters.variant,
+        weighting=parameters.weighting,
+        w_biaxial=parameters.w_biaxial,
+    )
     return dataclasses.replace(model, config=parameters.model_dump(mode="json")).to_dataset()

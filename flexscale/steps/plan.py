@@ -10,7 +10,7 @@ from flexscale.datasets.identity import SHORT_DIGEST, Recipe
 from flexscale.homogenize.symmetry import find_sources
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.catalog import STEPS
-from flexscale.steps.experiment import Experiment
+from flexscale.steps.experiment import Experiment, TangentBlock
 from flexscale.steps.figures import FIGURE, FIGURES, figure_recipe
 
 if TYPE_CHECKING:
@@ -128,14 +128,15 @@ def _wanted_steps(
         "solver": experiment.solver.to_config(),
     }
     wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
-    if experiment.tangent is not None:
-        wanted["tangent"] = (experiment.tangent.model_dump() | native, 1)
+    if experiment.tangent is not None or experiment.fit is not None:
+        block = experiment.tangent or TangentBlock()
+        wanted["tangent"] = (block.model_dump() | native, 1)
     if experiment.sweep is not None:
-        block = experiment.sweep
-        sources = find_sources(pattern, block.directions, block.symmetry)
+        bends = experiment.sweep
+        sources = find_sources(pattern, bends.directions, bends.symmetry)
         solved = len({source.direction for source in sources})
-        size = len(block.sides) * solved * len(block.curvatures)
-        wanted["sweep"] = (block.model_dump() | options, size)
+        size = len(bends.sides) * solved * len(bends.curvatures)
+        wanted["sweep"] = (bends.model_dump() | options, size)
     if experiment.fit is not None:
         wanted["fit"] = (experiment.fit.model_dump(), 1)
     if experiment.shapes:

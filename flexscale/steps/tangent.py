@@ -1,4 +1,4 @@
-"""Step `tangent`: bending stiffness of the flat sheet."""
+"""Step `tangent`: stiffness of the flat sheet, in bending and in its plane."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ if TYPE_CHECKING:
 def compute(
     parameters: TangentParameters, inputs: Mapping[str, xr.Dataset], resources: Resources
 ) -> xr.Dataset:
-    """Dataset of kind tangent/1."""
+    """Dataset of kind tangent."""
     pattern, options = parameters.build_pattern(), parameters.build_mesh_options()
     substrate = parameters.build_substrate_options()
     scales = parameters.build_scale_options()
     tangent = tangent_stiffness(pattern, mesh=options, substrate=substrate, scales=scales)
     return build_tangent_dataset(
         tangent.matrix,
+        tangent.in_plane,
         parameters.directions,
         scalars=pattern_scalars(pattern, options),
         config=parameters.model_dump(mode="json"),

@@ -37,7 +37,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_fit_of_squares_agrees_with_closed_forms(results: Path) -> None:
     model = fs.MacroModel.from_dataset(open_registry(results).one(kind="fit"))
-    assert model.n_parameters == 19
+    assert model.n_parameters == 21
     assert model.n_ignored == 0
     law = model.laws.law(0)
     # Hinges in the gaps only, before contact: a = D P / g. The fit averages over curvatures.
@@ -52,7 +52,9 @@ def test_fit_of_squares_agrees_with_closed_forms(results: Path) -> None:
 def test_fit_knows_where_it_comes_from(results: Path) -> None:
     registry = open_registry(results)
     dataset = registry.one(kind="fit", pattern="square")
-    assert json.loads(dataset.attrs["flexscale_inputs"]) == [registry.find(kind="sweep").one().id]
+    assert json.loads(dataset.attrs["flexscale_inputs"]) == sorted(
+        registry.find(kind=kind).one().id for kind in ("sweep", "tangent")
+    )
     assert float(dataset["gap"]) == 0.4
 
 
@@ -66,4 +68,4 @@ def test_figures_name_both_datasets(results: Path) -> None:
 
 def test_second_run_does_nothing(results: Path) -> None:
     code, out, err = run(results.parent / "fit.yaml", results)
-    assert (code, out.count("reused"), err) == (0, 5, "")
+    assert (code, out.count("reused"), err) == (0, 6, "")

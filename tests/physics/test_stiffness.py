@@ -96,7 +96,7 @@ def test_extremes_of_a_known_tensor():
     """a(theta) = 2 + cos 2(theta - 25 deg): softest at 115 degree, stiffest at 25 degree."""
     c, s = np.cos(np.radians(50.0)), np.sin(np.radians(50.0))
     matrix = np.array([[2.0 + c, 2.0, s / 2], [2.0, 2.0 - c, s / 2], [s / 2, s / 2, 0.0]])
-    tangent = TangentStiffness(matrix)
+    tangent = TangentStiffness(matrix, np.eye(3))
     theta = np.arange(0.0, 180.0, 7.0)
     expected = 2.0 + np.cos(np.radians(2.0 * (theta - 25.0)))
     assert tangent.stiffness(theta) == pytest.approx(expected, rel=1e-12)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from flexscale.datasets.build import build_sweep_dataset
 from flexscale.datasets.fit_values import two_regime_energy, two_regime_moment
+from flexscale.homogenize.tangent import TangentStiffness
+from flexscale.macro import MacroModel, fit
+from flexscale.macro.uniaxial import Weighting
 
 Function = Callable[[np.ndarray], np.ndarray]
 DIRECTIONS = np.arange(0.0, 180.0, 15.0)
@@ -30,6 +34,18 @@ def kappa_0_of(directions: np.ndarray) -> np.ndarray:
     return 0.0102 + 0.0015 * np.cos(6.0 * angle) + 0.0008 * np.sin(2.0 * angle)
 
 
+def tangent() -> TangentStiffness:
+    """A flat cell whose stiffness is `a_of`, with strong coupling and some in-plane stiffness."""
+    # a's five numbers fix C but for the share of C_xyxy in what C_xxyy and C_xyxy make together.
+    matrix = np.array([[80.0, -20.0, 8.0], [-20.0, 40.0, -8.0], [8.0, -8.0, 40.0]])
+    return TangentStiffness(matrix, np.diag([300.0, 250.0, 60.0]) + 30.0)
+
+
+def fit_law(sweep: xr.Dataset, weighting: Weighting = "relative") -> MacroModel:
+    """Fit of all parameters, a among them, to a sweep that says nothing of its cell."""
+    return fit(sweep, variant="paper", weighting=weighting)
+
+
 def no_contact(directions: np.ndarray) -> np.ndarray:
     return np.full(np.shape(directions), np.nan)
 
@@ -42,23 +58,26 @@ def law_sweep(
     opening: Function | None = no_contact,
     noise: float = 0.0,
     touches: bool = False,
+    softening: float = 0.0,
+    config: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Sweep of a_of, b_of and onsets by side, nan for no contact; opening None leaves it out.
 
-    noise : relative, on energy and moment. touches : store contact pairs beyond the onset.
+    noise : relative, on energy and moment. touches : store contact pairs beyond the onset. config :
+    what the sweep says of its making, too little to make its cell if not given.
     """
     onsets = {"closing": closing} | ({"opening": opening} if opening else {})
     table = np.stack([onset(directions) for onset in onsets.values()])[..., None]
     a, b = a_of(directions)[:, None], b_of(directions)[:, None]
     shape = (len(onsets), len(directions), len(curvatures))
     scatter = 1.0 + noise * np.random.default_rng(5).standard_normal((2, *shape))
-    energy = two_regime_energy(curvatures, a, b, table) * scatter[0]
+    energy = two_regime_energy(curvatures, a, b, table, softening) * scatter[0]
     arrays = {
         "energy_density": energy,
         "energy_density_membrane": 0.0 * energy,
         "energy_density_bending": energy,
         "energy_density_scales": 0.0 * energy,
-        "moment": two_regime_moment(curvatures, a, b, table) * scatter[1],
+        "moment": two_regime_moment(curvatures, a, b, table, softening) * scatter[1],
         "stretch": np.ones((*shape, 3)),
         "newton_iterations": np.full(shape, 3),
         "negative_eigenvalues": np.zeros(shape, dtype=int),
@@ -74,8 +93,8 @@ def law_sweep(
         directions,
         curvatures,
         arrays,
-        scalars={"family": "IH20", "pattern": "hexagon", "gap": 0.4},
-        config={"pattern": {"gap": 0.4}},
+        scalars={"family": "IH20", "pattern": "hexagon", "gap": 0.4, "tile_area": 100.0},
+        config={"pattern": {"gap": 0.4}} if config is None else config,
     )
 
 

@@ -148,7 +148,7 @@ def test_building_names_the_odd_array() -> None:
 
 def test_tangent_of_a_plate_is_the_same_in_every_direction() -> None:
     plate = np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
-    tangent = build_tangent_dataset(plate, [0.0, 30.0, 77.0], scalars=SCALARS, config={})
+    tangent = build_tangent_dataset(plate, plate, [0.0, 30.0, 77.0], scalars=SCALARS, config={})
     check_dataset(tangent, "tangent")
     np.testing.assert_allclose(tangent["stiffness"], 1.0, rtol=1e-14)
     tangent["matrix"].values[0, 1] = 0.4

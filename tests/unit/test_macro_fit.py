@@ -17,6 +17,7 @@ from tests.unit.fit_samples import (
     DIRECTIONS,
     a_of,
     b_of,
+    fit_law,
     kappa_0_of,
     law_sweep,
     no_contact,
@@ -34,7 +35,7 @@ def in_part_of_the_circle(directions: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def model() -> fs.MacroModel:
-    return fs.fit(law_sweep(opening=lambda d: 0.8 * kappa_0_of(d)))
+    return fit_law(law_sweep(opening=lambda d: 0.8 * kappa_0_of(d)))
 
 
 def test_recovers_known_laws_between_samples(model: fs.MacroModel) -> None:
@@ -48,7 +49,7 @@ def test_recovers_known_laws_between_samples(model: fs.MacroModel) -> None:
 
 def test_counts_of_variables(model: fs.MacroModel) -> None:
     assert model.n_parameters == 33
-    assert fs.fit(law_sweep(opening=None)).n_parameters == 19
+    assert fit_law(law_sweep(opening=None)).n_parameters == 19
 
 
 def test_moment_is_the_derivative_of_the_energy(model: fs.MacroModel) -> None:
@@ -64,7 +65,7 @@ def test_curvature_and_direction_broadcast(model: fs.MacroModel) -> None:
 
 
 def test_side_without_contact_has_no_onset() -> None:
-    model = fs.fit(law_sweep())
+    model = fit_law(law_sweep())
     law = model.parameters(30.0, "opening")
     assert not law.has_contact
     assert np.isnan(law.kappa_0)
@@ -77,7 +78,7 @@ def test_side_without_contact_has_no_onset() -> None:
 def test_contact_in_part_of_the_circle(touches: bool) -> None:
     directions = np.arange(0.0, 180.0, 5.0)
     sweep = law_sweep(directions=directions, closing=in_part_of_the_circle, touches=touches)
-    model = fs.fit(sweep)
+    model = fit_law(sweep)
     assert model.polar.onset_quantity == ("1/kappa_0", "none")
     found, known = model.parameters(directions), in_part_of_the_circle(directions)
     deep = known < 0.018  # beyond that samples after the onset are too few
@@ -91,7 +92,7 @@ def test_contact_in_part_of_the_circle(touches: bool) -> None:
 
 def test_energy_is_continuous_where_contact_ends() -> None:
     directions = np.arange(0.0, 180.0, 5.0)
-    model = fs.fit(law_sweep(directions=directions, closing=in_part_of_the_circle))
+    model = fit_law(law_sweep(directions=directions, closing=in_part_of_the_circle))
     for curvature in (0.02, 0.04):
         energy = model.energy(curvature, np.arange(0.0, 180.0, 0.01))
         assert np.abs(np.diff(energy)).max() < 2e-3 * energy.max()
@@ -104,7 +105,7 @@ def test_positive_between_samples_where_stiffness_varies_a_hundredfold() -> None
     a *= 1.0 + 0.1 * np.random.default_rng(2).standard_normal(len(a))
     sweep["moment"].values[0] = a[:, None] * CURVATURES
     sweep["energy_density"].values[0] = a[:, None] * CURVATURES**2 / 2.0
-    model = fs.fit(sweep)
+    model = fit_law(sweep)
     assert np.min(model.parameters(np.arange(0.0, 180.0, 0.05)).a) > 0.0
     assert model.parameters(0.0).a == pytest.approx(a[0], rel=0.15)
 
@@ -113,7 +114,7 @@ def test_failed_samples_are_ignored_and_counted(caplog: pytest.LogCaptureFixture
     sweep = without(law_sweep(), side=0, direction=2, curvature=7)
     sweep = without(sweep, side=1, direction=5, curvature=3)
     with caplog.at_level(logging.WARNING):
-        model = fs.fit(sweep)
+        model = fit_law(sweep)
     assert model.n_ignored == 2
     assert "2 of 240 samples" in caplog.text
     assert "2 samples that did not converge were ignored" in repr(model)
@@ -124,7 +125,7 @@ def test_a_status_alone_is_enough_to_ignore_a_number() -> None:
     sweep = law_sweep()
     sweep["moment"].values[0, 2, 7] *= 10.0
     sweep["status"].values[0, 2, 7] = 2
-    assert fs.fit(sweep).parameters(30.0).a == pytest.approx(a_of(30.0), rel=1e-5)
+    assert fit_law(sweep).parameters(30.0).a == pytest.approx(a_of(30.0), rel=1e-5)
 
 
 def test_direction_without_samples_is_bridged() -> None:
@@ -132,7 +133,7 @@ def test_direction_without_samples_is_bridged() -> None:
     for curvature in range(1, len(CURVATURES)):
         sweep = without(sweep, side=0, direction=4, curvature=curvature)
         sweep = without(sweep, side=1, direction=4, curvature=curvature)
-    model = fs.fit(sweep)
+    model = fit_law(sweep)
     assert np.isnan(model.laws.a[4])
     assert model.polar.onset_quantity == ("kappa_0", "none")
     assert model.parameters(60.0).kappa_0 == pytest.approx(kappa_0_of(60.0), rel=1e-4)
@@ -148,7 +149,7 @@ def test_errors_of_an_exact_law_vanish(model: fs.MacroModel) -> None:
 
 def test_errors_are_those_of_the_samples() -> None:
     sweep = law_sweep(opening=None, noise=0.02)
-    model = fs.fit(sweep)
+    model = fit_law(sweep)
     native = sweep["moment"].values[0][:, 1:]
     fitted = model.moment(CURVATURES[1:], DIRECTIONS[:, None])
     error = np.abs(fitted / native - 1.0)
@@ -164,7 +165,7 @@ def test_held_out_samples_are_not_used() -> None:
     sweep = law_sweep(opening=None, closing=no_contact)
     sweep["moment"].values[0, 4] *= 1.5
     sweep["energy_density"].values[0, 4] *= 1.5
-    error = fs.fit(sweep).errors.moment_error[:, 0, 4, 0]
+    error = fit_law(sweep).errors.moment_error[:, 0, 4, 0]
     law, smooth, _, held_out = error
     assert law < 1e-6 < smooth < held_out
     # Known law of the others: the value left out is 1.5 times too large.
@@ -176,45 +177,59 @@ def test_copies_by_symmetry_are_held_out_together() -> None:
     for index in (0, 6):
         sweep["moment"].values[0, index] *= 1.3
         sweep["energy_density"].values[0, index] *= 1.3
-    apart = fs.fit(sweep).errors.moment_error[3, 0, 0, 0]
+    apart = fit_law(sweep).errors.moment_error[3, 0, 0, 0]
     sweep["symmetry_source"].values[0, 6] = 0.0
-    together = fs.fit(sweep).errors.moment_error[3, 0, 0, 0]
+    together = fit_law(sweep).errors.moment_error[3, 0, 0, 0]
     assert together == pytest.approx(1.0 - 1.0 / 1.3, abs=1e-6)
     assert apart < together - 0.01  # a single copy pulls the harmonics a little toward it
 
 
 def test_too_few_curvatures() -> None:
     with pytest.raises(BadInputError, match=r"at least 3 curvatures.*has 2 \(0\.01, 0\.02 mm-1\)"):
-        fs.fit(law_sweep(curvatures=np.array([0.0, 0.01, 0.02])))
+        fit_law(law_sweep(curvatures=np.array([0.0, 0.01, 0.02])))
 
 
 def test_too_few_directions() -> None:
     with pytest.raises(BadInputError, match="only 3 of the sweep's 3 directions"):
-        fs.fit(law_sweep(directions=np.array([0.0, 45.0, 90.0])))
+        fit_law(law_sweep(directions=np.array([0.0, 45.0, 90.0])))
 
 
 def test_crowded_directions() -> None:
     with pytest.raises(BadInputError, match="no usable direction for 100 degree after 80 degree"):
-        fs.fit(law_sweep(directions=np.arange(0.0, 81.0, 5.0)))
+        fit_law(law_sweep(directions=np.arange(0.0, 81.0, 5.0)))
 
 
 def test_sweep_that_starts_beyond_the_onset() -> None:
     curvatures = np.array([0.0, 0.0135, 0.015, 0.0175, 0.02])
     with pytest.raises(BadInputError, match=r"too coarse.*closing at 0 degree.*0\.0135 mm-1"):
-        fs.fit(law_sweep(curvatures=curvatures, touches=True))
+        fit_law(law_sweep(curvatures=curvatures, touches=True))
 
 
 def test_sweep_with_one_sample_beyond_the_onset() -> None:
     curvatures = np.array([0.0, 0.002, 0.004, 0.006, 0.02])
     with pytest.raises(BadInputError, match=r"too coarse.*2 samples beyond.*0\.006 and 0\.02"):
-        fs.fit(law_sweep(curvatures=curvatures, touches=True))
+        fit_law(law_sweep(curvatures=curvatures, touches=True))
+
+
+def test_side_that_only_begins_to_touch_is_left_without_contact(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """The other side is well sampled: no reason to refuse the sweep."""
+    sweep = law_sweep(opening=lambda d: np.where(d == 30.0, 0.0185, np.nan), touches=True)
+    with caplog.at_level(logging.WARNING):
+        model = fit_law(sweep)
+    assert "opening, in no direction are there 2 samples beyond" in caplog.text
+    assert model.polar.onset_quantity == ("kappa_0", "none")
+    assert "opening  contact in 1 of 12 directions, too late in the sweep to be fitted" in repr(
+        model
+    )
 
 
 def test_other_refusals(model: fs.MacroModel) -> None:
     with pytest.raises(UnknownNameError, match="Did you mean 'absolute'"):
-        fs.fit(law_sweep(), weighting="absolut")  # type: ignore[arg-type]
+        fit_law(law_sweep(), weighting="absolut")  # type: ignore[arg-type]
     with pytest.raises(SchemaError, match="no energy_density, moment"):
-        fs.fit(xr.Dataset())
+        fit_law(xr.Dataset())
     with pytest.raises(UnknownNameError, match="no side 'shut'"):
         model.parameters(0.0, "shut")
     with pytest.raises(UnitRangeError, match="not negative"):
@@ -228,7 +243,7 @@ def test_dataset_holds_all_of_the_model(model: fs.MacroModel) -> None:
     check_dataset(dataset, "fit")
     again = fs.MacroModel.from_dataset(dataset)
     assert repr(again) == repr(model)
-    assert again.labels == {"family": "IH20", "pattern": "hexagon", "gap": 0.4}
+    assert again.labels == {"family": "IH20", "pattern": "hexagon", "gap": 0.4, "tile_area": 100.0}
     for side in model.sides:
         np.testing.assert_array_equal(
             again.moment(0.017, BETWEEN, side), model.moment(0.017, BETWEEN, side)
@@ -241,7 +256,7 @@ def test_dataset_holds_all_of_the_model(model: fs.MacroModel) -> None:
 
 
 def test_check_refuses_a_fit_that_does_not_follow_from_its_harmonics() -> None:
-    dataset = fs.fit(law_sweep()).to_dataset()
+    dataset = fit_law(law_sweep()).to_dataset()
     dataset["cos_coefficient"].values[:, 0, 0] *= 1.01
     with pytest.raises(SchemaError, match="does not follow from harmonics"):
         check_dataset(dataset, "fit")
@@ -252,6 +267,6 @@ def test_check_refuses_a_fit_that_does_not_follow_from_its_harmonics() -> None:
 
 def test_text_says_what_matters(model: fs.MacroModel) -> None:
     text = repr(model)
-    assert "IH20 hexagon: 33 variables, relative weighting" in text
+    assert "IH20 hexagon: energy 'paper', 33 variables, relative weighting" in text
     assert "contact in 12 of 12 directions, kappa_0 interpolated" in text
     assert "held out direction" in text

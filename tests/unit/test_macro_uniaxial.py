@@ -10,9 +10,9 @@ from flexscale.macro.uniaxial import WEIGHTINGS, Line, UniaxialLaw, Weighting, f
 KAPPA = np.linspace(0.0025, 0.02, 8)
 
 
-def line(law: UniaxialLaw, *, noise: float = 0.0, touches: bool | None = None) -> Line:
+def line(law: UniaxialLaw, *, noise: float = 0.0, free_until: float | None = None) -> Line:
     scatter = 1.0 + noise * np.random.default_rng(3).standard_normal((2, len(KAPPA)))
-    return Line(KAPPA, law.energy(KAPPA) * scatter[0], law.moment(KAPPA) * scatter[1], touches)
+    return Line(KAPPA, law.energy(KAPPA) * scatter[0], law.moment(KAPPA) * scatter[1], free_until)
 
 
 def straight(a: float) -> UniaxialLaw:
@@ -85,9 +85,9 @@ def test_noise_moves_the_onset_little() -> None:
 def test_measured_contact_decides_where_there_is_some() -> None:
     gentle = UniaxialLaw(60.0, 64.0, 0.0101)
     assert not fit_uniaxial({"closing": line(gentle)})["closing"].has_contact
-    assert fit_uniaxial({"closing": line(gentle, touches=True)})["closing"].has_contact
+    assert fit_uniaxial({"closing": line(gentle, free_until=0.0)})["closing"].has_contact
     stiff = UniaxialLaw(60.0, 600.0, 0.0101)
-    assert not fit_uniaxial({"closing": line(stiff, touches=False)})["closing"].has_contact
+    assert not fit_uniaxial({"closing": line(stiff, free_until=np.inf)})["closing"].has_contact
 
 
 def test_relative_weighting_keeps_small_curvatures() -> None:
@@ -103,3 +103,40 @@ def test_relative_weighting_keeps_small_curvatures() -> None:
         error = np.abs(law.moment(KAPPA) / moment - 1.0)
         off[weighting] = float(np.median(error))
     assert off["relative"] < 0.08 < off["absolute"]
+
+
+def test_onset_is_not_before_scales_touch() -> None:
+    """A kink in the free sheet, as of one side softer than the other, is not taken for contact."""
+    law = UniaxialLaw(60.0, 90.0, 0.004)
+    early = fit_uniaxial({"closing": line(law)})["closing"]
+    assert early.kappa_0 == pytest.approx(0.004, rel=1e-4)
+    known = fit_uniaxial({"closing": line(law, free_until=0.01)})["closing"]
+    assert known.kappa_0 >= 0.01
+
+
+def test_known_stiffness_is_kept() -> None:
+    law, known = UniaxialLaw(60.0, 400.0, 0.01), UniaxialLaw(58.0, np.nan, np.nan)
+    fitted = fit_uniaxial({"closing": line(law), "opening": line(law)}, known=known)
+    for side in ("closing", "opening"):
+        assert fitted[side].a == 58.0
+        assert fitted[side].b == pytest.approx(400.0, rel=0.05)
+
+
+def test_known_softening_leaves_contact_to_be_found() -> None:
+    law = UniaxialLaw(60.0, 400.0, 0.01, 20.0)
+    known = UniaxialLaw(60.0, np.nan, np.nan, 20.0)
+    found = fit_uniaxial({"closing": line(law)}, known=known)["closing"]
+    assert (found.a, found.softening) == (60.0, 20.0)
+    assert found.b == pytest.approx(400.0, rel=1e-4)
+    assert found.kappa_0 == pytest.approx(0.01, rel=1e-4)
+
+
+def test_softened_moment_is_the_derivative_of_its_energy() -> None:
+    law, kappa, step = UniaxialLaw(60.0, 400.0, 0.01, 20.0), np.linspace(0.001, 0.0305, 30), 1e-7
+    difference = (law.energy(kappa + step) - law.energy(kappa - step)) / (2.0 * step)
+    np.testing.assert_allclose(difference, law.moment(kappa), rtol=1e-6)
+    before = UniaxialLaw(60.0, 400.0, np.nan, 20.0)
+    # Where the energy without softening is 1/s, the moment is half.
+    assert before.moment(np.sqrt(2.0 / 20.0 / 60.0)) == pytest.approx(
+        0.5 * 60.0 * np.sqrt(2.0 / 20.0 / 60.0)
+    )

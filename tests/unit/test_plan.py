@@ -84,7 +84,7 @@ def test_fit_comes_from_the_sweep_and_its_figures_from_both() -> None:
     plan = plan_of(content)
     for job in plan:
         if job.step == "fit":
-            assert [plan[needed].step for needed in job.inputs] == ["sweep"]
+            assert [plan[needed].step for needed in job.inputs] == ["sweep", "tangent"]
         if job.step == "figure":
             assert [plan[needed].step for needed in job.inputs] == ["fit", "sweep"]
             assert plan.needed_for(job).jobs[-1].step == "fit"
@@ -104,3 +104,16 @@ def test_quickstart_makes_what_the_paper_figures_need() -> None:
         for need in script.needs.values():
             if need.command == "flexscale run workflows/quickstart.yaml":
                 assert (need.kind, need.where["family"], need.where["pattern"]) in made
+
+
+def test_fit_brings_the_tangent_it_needs() -> None:
+    """Without a block for it; what the sheet is made of does not change sweep or tangent."""
+    directions = {"start": 0, "stop": 180, "step": 22.5}
+    sweep = {"directions": directions, "curvatures": [0, 0.005, 0.01, 0.015]}
+    content = {key: value for key, value in CONTENT.items() if key != "tangent"}
+    content |= {"sweep": sweep, "fit": {}, "figures": []}
+    steps = [job.step for job in plan_of(content)]
+    assert steps.count("tangent") == steps.count("fit") > 0
+    other = content | {"fit": {"variant": "paper", "w_biaxial": "800 N mm3"}}
+    gone = ids_of(content) - ids_of(other)
+    assert {job_id.split("-")[0] for job_id in gone} == {"fit"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,17 +12,23 @@ from matplotlib.figure import Figure
 
 import flexscale as fs
 from flexscale.errors import BadInputError, SchemaError
+from flexscale.plotting.figures import find_scripts
 from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from tests.unit.fit_samples import (
     CURVATURES,
     DIRECTIONS,
     a_of,
     b_of,
+    fit_law,
     kappa_0_of,
     law_sweep,
     no_contact,
+    tangent,
     without,
 )
+from tests.unit.plotting_data import flat_cell
+
+PAPER_FIGURES = Path(__file__).resolve().parents[2] / "paper_figures"
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +38,7 @@ def sweep() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def model(sweep: xr.Dataset) -> xr.Dataset:
-    return fs.fit(sweep).to_dataset()
+    return fit_law(sweep).to_dataset()
 
 
 def lines(axes: object, color: str, *, label: str | None = None) -> list[np.ndarray]:
@@ -84,7 +92,7 @@ def test_without_a_sweep_only_parameters(model: xr.Dataset) -> None:
 
 
 def test_no_contact_is_said() -> None:
-    model = fs.fit(law_sweep(closing=no_contact)).to_dataset()
+    model = fit_law(law_sweep(closing=no_contact)).to_dataset()
     titles = [axes.get_title() for axes in fs.plot.fit(model).axes]
     assert "no contact" not in titles[0]
     assert all("no contact" in title for title in titles[1:])
@@ -134,3 +142,45 @@ def test_curves_without_a_fit_stay_lines(sweep: xr.Dataset) -> None:
         f"{side} {direction}" for side in ("closing", "opening") for direction in (0, 30)
     }
     assert "closing" in legend_texts(figure)
+
+
+def test_macro_polar_shows_native_and_macro_moments(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    figure = fs.plot.macro_polar(model, sweep, curvatures=[0.006, 0.02])
+    assert len(figure.axes) == 4  # two sides by two curvatures
+    for axes, curvature, side in zip(figure.axes, (3, 10, 3, 10), (0, 0, 1, 1), strict=True):
+        native = sweep["moment"].values[side, :, curvature]
+        macro = lines(axes, MACRO_COLOR)[0]
+        angles = np.rad2deg(macro[:, 0])
+        at_samples = np.interp(DIRECTIONS, angles, macro[:, 1])
+        np.testing.assert_allclose(at_samples, native, rtol=1e-4)
+        shown = lines(axes, NATIVE_COLOR)[0]
+        np.testing.assert_allclose(shown[: len(DIRECTIONS), 1], native)
+    assert legend_texts(figure) == ["native", "macro"]
+
+
+def test_softening_is_drawn() -> None:
+    softened = law_sweep(softening=6.0)
+    model = fs.fit(softened, tangent()).to_dataset()
+    figure = fs.plot.macro_polar(model, softened, "opening", 0.02)
+    drawn = lines(figure.axes[0], MACRO_COLOR)[0]
+    native = softened["moment"].values[1, :, 10]
+    at_samples = np.interp(DIRECTIONS, np.rad2deg(drawn[:, 0]), drawn[:, 1])
+    np.testing.assert_allclose(at_samples, native, rtol=1e-3)
+    # Without it the moment would be more than a tenth larger.
+    assert (0.02 * a_of(DIRECTIONS) / native - 1.0).max() > 0.1
+
+
+def test_paper_figures_draw_from_datasets(sweep: xr.Dataset, model: xr.Dataset) -> None:
+    (parameters, macro) = find_scripts(PAPER_FIGURES, ["fig04", "fig12"])
+    figure = parameters.module.draw({"fit": model, "sweep": sweep})
+    assert len(figure.axes) == 5
+    inputs = {}
+    for pattern, corners in (("hexagon", 6), ("square", 4)):
+        parts = {"cell": flat_cell(corners), "sweep": sweep, "fit": model}
+        inputs |= {f"{pattern}_{kind}": dataset for kind, dataset in parts.items()}
+    assert set(inputs) == set(macro.needs)
+    figure = macro.module.draw(inputs)
+    assert len(figure.axes) == 10
+    drawn = lines(figure.axes[-1], MACRO_COLOR)[0]
+    at_samples = np.interp(DIRECTIONS, np.rad2deg(drawn[:, 0]), drawn[:, 1])
+    np.testing.assert_allclose(at_samples, sweep["moment"].values[0, :, -1], rtol=1e-4)

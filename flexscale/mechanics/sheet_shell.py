@@ -1,0 +1,204 @@
+"""C1 sheet with any sheet law, flat or curved at rest.
+
+Kinematics as in `shell_forms`. The maps from an element's twelve vectors to the derivatives at a
+point are turned once into the rest state's orthonormal frame there: with the rest form a0 = L L^T,
+the frame F = L^-T R (R turns to the axes of the material) has F^T a0 F = I, and derivatives become
+
+    x_s = F^T x_u,      x_ss = F^T x_uu F,      rest area = sqrt(det a0) du dv.
+
+A law then sees e = a - I and b - b0 in that frame, whatever the parameters (u, v) of the rest
+surface are; of a flat sheet F = R and b0 = 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mechanics.hct import N_DOFS, QUADRATURE_POINTS, hct_derivatives
+from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.mechanics.shell_forms import (
+    add_point_forces,
+    add_point_rows,
+    forms,
+    store_rows,
+    vector_gradient,
+    vector_hessian,
+)
+
+_CHUNK = 4096  # elements whose law derivatives are in memory at a time
+
+
+@njit(cache=True)
+def _states(y, vectors, derivatives, rest_b, out):
+    """Fill out (n, q, 6) with (e, b - b0); False where the sheet is degenerate."""
+    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
+    e, b = np.empty(3), np.empty(3)
+    for t in range(out.shape[0]):
+        for q in range(out.shape[1]):
+            if not forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b) > 0.0:
+                return False
+            for i in range(3):
+                out[t, q, i] = e[i]
+                out[t, q, 3 + i] = b[i] - rest_b[t, q, i]
+    return True
+
+
+@njit(cache=True)
+def _gradient(y, vectors, derivatives, weights, grads, out):
+    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
+    e, b = np.empty(3), np.empty(3)
+    p, christoffel = np.empty((5, 3)), np.empty((3, 2))
+    for t in range(len(vectors)):
+        for q in range(weights.shape[1]):
+            forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b)
+            vector_gradient(v, normal, dual, grads[t, q], p, christoffel)
+            add_point_forces(derivatives[t, q], weights[t, q], p, vectors[t], out)
+
+
+@njit(cache=True)
+def _hessian(y, vectors, derivatives, weights, grads, hessians, out):
+    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
+    e, b = np.empty(3), np.empty(3)
+    p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 9))
+    half = np.empty((5, 108))
+    rows = np.empty((12, 108))
+    for t in range(len(vectors)):
+        rows[:] = 0.0
+        for q in range(weights.shape[1]):
+            n = derivatives[t, q]
+            forms(y, vectors[t], n, v, normal, dual, e, b)
+            vector_gradient(v, normal, dual, grads[t, q], p, christoffel)
+            vector_hessian(v, normal, dual, b, grads[t, q], hessians[t, q], christoffel, h)
+            add_point_rows(n, weights[t, q], h, half, rows)
+        store_rows(rows, out[t])
+
+
+class SheetShell:
+    """Energy of a sheet with a sheet law on C1 triangles.
+
+    Parameters
+    ----------
+    corners : (n, 3, 2) parameters (u, v) of the triangles' corners.
+    edge_normals : (n, 3, 2) unit directions of the mid-edge derivatives.
+    vectors : (n, 12) rows of `y`: (x, x_1, x_2) at the vertices, x_n at edges 0-1, 1-2, 2-0.
+    law : energy per rest area.
+    rest : (n_y, 3) rows at rest.
+    vertex_frames : (n, 3, 2, 2) directions 1, 2 of the derivatives at each corner, as rows; u and v
+        without.
+    material_direction : rad, from the direction of u to the material's first axis.
+
+    Attributes
+    ----------
+    points : (n, q, 2) parameters of the quadrature points.
+    weights : (n, q) rest areas, mm2.
+    """
+
+    part_names: tuple[str, ...] = ("sheet",)
+
+    def __init__(
+        self,
+        corners: FloatArray,
+        edge_normals: FloatArray,
+        vectors: IntArray,
+        law: SheetLaw,
+        rest: FloatArray,
+        *,
+        vertex_frames: FloatArray | None = None,
+        material_direction: float = 0.0,
+    ) -> None:
+        self.law = law
+        self.vectors = np.ascontiguousarray(vectors, dtype=np.int64)
+        derivatives, weights = hct_derivatives(corners, edge_normals)
+        if vertex_frames is not None:
+            derivatives = _in_vertex_frames(derivatives, vertex_frames)
+        derivatives = np.ascontiguousarray(derivatives)
+        zero = np.zeros((*weights.shape, 3))
+        states = self._states_of(rest, derivatives, zero)
+        frames, density = _rest_frames(states, material_direction)
+        self.derivatives = _turned(derivatives, frames)
+        self.weights = weights * density
+        self._rest_b = zero
+        self._rest_b = np.ascontiguousarray(self.states(rest)[..., 3:])
+        self.points = _quadrature_points(corners)
+
+    def _states_of(self, y: FloatArray, derivatives: FloatArray, rest_b: FloatArray) -> FloatArray:
+        states = np.empty((*derivatives.shape[:2], 6))
+        if not _states(y, self.vectors, derivatives, rest_b, states):
+            states[:] = np.nan
+        return states
+
+    def states(self, y: FloatArray) -> FloatArray:
+        """(n, q, 6) strain e and curvature b - b0 [mm-1] in the material's axes; nan throughout
+        where the sheet is degenerate."""
+        return self._states_of(y, self.derivatives, self._rest_b)
+
+    def energy_parts(self, y: FloatArray) -> FloatArray:
+        """(1,) N mm; infinite where the sheet is degenerate."""
+        states = self.states(y)
+        if np.isnan(states[0, 0, 0]):
+            return np.array([np.inf])
+        return np.array([self.weights.ravel() @ self.law.energies(states.reshape(-1, 6))])
+
+    def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
+        """Add dE/dy to `gradient (n_y, 3)`."""
+        states = self.states(y)
+        grads = self.law.gradients(states.reshape(-1, 6)).reshape(states.shape)
+        _gradient(y, self.vectors, self.derivatives, self.weights, grads, gradient)
+
+    def hessian_blocks(self, y: FloatArray) -> FloatArray:
+        """(n, 78, 3, 3) blocks of d2E/dy2."""
+        out = np.empty((len(self.vectors), N_DOFS * (N_DOFS + 1) // 2, 3, 3))
+        states = self.states(y)
+        for start in range(0, len(out), _CHUNK):
+            part = slice(start, start + _CHUNK)
+            grads, hessians = self.law.derivatives(states[part].reshape(-1, 6))
+            _hessian(
+                y, self.vectors[part], self.derivatives[part], self.weights[part],
+                grads.reshape(states[part].shape), hessians.reshape(*states[part].shape, 6),
+                out[part],
+            )  # fmt: skip
+        return out
+
+
+def _in_vertex_frames(derivatives: FloatArray, frames: FloatArray) -> FloatArray:
+    """Take derivatives along the frames' directions for those along u and v."""
+    inverse = np.linalg.inv(frames)
+    out = derivatives.copy()
+    for k in range(3):
+        columns = slice(3 * k + 1, 3 * k + 3)
+        out[..., columns] = np.einsum("nqad,nde->nqae", derivatives[..., columns], inverse[:, k])
+    return out
+
+
+def _rest_frames(states: FloatArray, direction: float) -> tuple[FloatArray, FloatArray]:
+    """Frames F (n, q, 2, 2), columns f_1 and f_2, and sqrt(det a0) (n, q)."""
+    a11, a12, a22 = 1.0 + states[..., 0], states[..., 1], 1.0 + states[..., 2]
+    density = np.sqrt(a11 * a22 - a12**2)
+    frames = np.zeros((*density.shape, 2, 2))
+    frames[..., 0, 0] = 1.0 / np.sqrt(a11)
+    frames[..., 0, 1] = -a12 / (np.sqrt(a11) * density)
+    frames[..., 1, 1] = np.sqrt(a11) / density
+    c, s = np.cos(direction), np.sin(direction)
+    return frames @ np.array([[c, -s], [s, c]]), density
+
+
+def _turned(derivatives: FloatArray, frames: FloatArray) -> FloatArray:
+    """Maps to (f_1, f_2, f_11, f_12, f_22) in the frames, from those in (u, v)."""
+    second = derivatives[:, :, [[2, 3], [3, 4]]]
+    out = np.empty_like(derivatives)
+    out[:, :, :2] = np.einsum("nqud,nqus->nqsd", derivatives[:, :, :2], frames, optimize=True)
+    turned = np.einsum("nquvd,nqus,nqvt->nqstd", second, frames, frames, optimize=True)
+    out[:, :, 2], out[:, :, 3], out[:, :, 4] = (
+        turned[:, :, i, j] for i, j in ((0, 0), (0, 1), (1, 1))
+    )
+    return out
+
+
+def _quadrature_points(corners: FloatArray) -> FloatArray:
+    centroid = corners.mean(axis=1)
+    thirds = [
+        np.stack([corners[:, k], corners[:, (k + 1) % 3], centroid], axis=1) for k in range(3)
+    ]
+    return np.concatenate([QUADRATURE_POINTS @ third for third in thirds], axis=1)

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
-from flexscale.mechanics.hct import N_DOFS, QUADRATURE_POINTS, hct_derivatives
+from flexscale.mechanics.hct import N_DOFS, QUADRATURE_POINTS, hct_derivatives, hct_ordinates
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.shell_forms import (
     add_point_forces,
@@ -113,7 +113,6 @@ class SheetShell:
         derivatives, weights = hct_derivatives(corners, edge_normals)
         if vertex_frames is not None:
             derivatives = _in_vertex_frames(derivatives, vertex_frames)
-        derivatives = np.ascontiguousarray(derivatives)
         zero = np.zeros((*weights.shape, 3))
         states = self._states_of(rest, derivatives, zero)
         frames, density = _rest_frames(states, material_direction)
@@ -122,6 +121,7 @@ class SheetShell:
         self._rest_b = zero
         self._rest_b = np.ascontiguousarray(self.states(rest)[..., 3:])
         self.points = _quadrature_points(corners)
+        self._shares = _integrals(corners, edge_normals, vertex_frames)
 
     def _states_of(self, y: FloatArray, derivatives: FloatArray, rest_b: FloatArray) -> FloatArray:
         states = np.empty((*derivatives.shape[:2], 6))
@@ -133,6 +133,13 @@ class SheetShell:
         """(n, q, 6) strain e and curvature b - b0 [mm-1] in the material's axes; nan throughout
         where the sheet is degenerate."""
         return self._states_of(y, self.derivatives, self._rest_b)
+
+    def area_shares(self, n_rows: int) -> FloatArray:
+        """(n_rows,) weights of rows in the integral of a field over the parameters, mm2 if the
+        sheet is flat at rest."""
+        out = np.zeros(n_rows)
+        np.add.at(out, self.vectors, self._shares)
+        return out
 
     def energy_parts(self, y: FloatArray) -> FloatArray:
         """(1,) N mm; infinite where the sheet is degenerate."""
@@ -162,14 +169,25 @@ class SheetShell:
         return out
 
 
-def _in_vertex_frames(derivatives: FloatArray, frames: FloatArray) -> FloatArray:
-    """Take derivatives along the frames' directions for those along u and v."""
+def _in_vertex_frames(maps: FloatArray, frames: FloatArray) -> FloatArray:
+    """Maps (n, ..., 12) of derivatives along the frames' directions, from those along u and v."""
     inverse = np.linalg.inv(frames)
-    out = derivatives.copy()
+    out = maps.copy()
     for k in range(3):
         columns = slice(3 * k + 1, 3 * k + 3)
-        out[..., columns] = np.einsum("nqad,nde->nqae", derivatives[..., columns], inverse[:, k])
+        out[..., columns] = np.einsum("n...d,nde->n...e", maps[..., columns], inverse[:, k])
     return out
+
+
+def _integrals(
+    corners: FloatArray, edge_normals: FloatArray, frames: FloatArray | None
+) -> FloatArray:
+    """(n, 12) weights of the twelve vectors in the integral over a triangle: of a cubic it is the
+    area times the mean of its ten ordinates, and the three sub-triangles are equal in area."""
+    area = 0.5 * np.linalg.det(corners[:, 1:] - corners[:, :1])
+    sums = hct_ordinates(corners, edge_normals).sum(axis=(1, 2, 3, 4))
+    shares = area[:, None] / 30.0 * sums
+    return shares if frames is None else _in_vertex_frames(shares, frames)
 
 
 def _rest_frames(states: FloatArray, direction: float) -> tuple[FloatArray, FloatArray]:

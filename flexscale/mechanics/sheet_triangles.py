@@ -233,6 +233,12 @@ class SheetTriangles:
         where a triangle is degenerate or a turn reaches pi."""
         return self._flat_states(y)[:, None]
 
+    def area_shares(self, n_rows: int) -> FloatArray:
+        """(n_rows,) weights of rows in the integral of a field over the rest area, mm2."""
+        out = np.zeros(n_rows)
+        np.add.at(out, self.vectors[:, :3], self.weights / 3.0)
+        return out
+
     def energy_parts(self, y: FloatArray) -> FloatArray:
         """(1,) N mm; infinite where a triangle is degenerate or a turn reaches pi."""
         states = self._flat_states(y)

@@ -15,6 +15,7 @@ from flexscale.mechanics.energy import (
     CONTACT,
     NOTHING,
     FloatArray,
+    IntArray,
     block_pairs,
     project_blocks,
 )
@@ -97,7 +98,7 @@ class SheetProblem:
         )
         self._kept: tuple[SheetState | None, FloatArray] = (None, np.zeros(0))
 
-    def _number_columns(self, position: FloatArray) -> None:
+    def _number_columns(self, position: IntArray) -> None:
         """Unknowns that each row depends on, and their constant derivatives."""
         widths = np.full(self.n_rows, 3)
         for grip in self.conditions.grips:
@@ -121,7 +122,7 @@ class SheetProblem:
         self._columns = position[places]
 
     @staticmethod
-    def _slots_of(q: FloatArray, indptr: FloatArray, indices: FloatArray) -> FloatArray:
+    def _slots_of(q: IntArray, indptr: IntArray, indices: IntArray) -> IntArray:
         """(k, k) slots of pairs of a grip's unknowns; past the end below the diagonal."""
         slots = np.full((len(q), len(q)), len(indices), dtype=np.int64)
         for i, row in enumerate(q):

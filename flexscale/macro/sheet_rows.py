@@ -32,7 +32,8 @@ class SheetRows:
     ----------
     kinds : (n_rows,) POSITION, DERIVATIVE or ANGLE (in the first component).
     points : (n_rows, 2) parameters where it is taken.
-    directions : (n_rows, 2) direction of a derivative in the parameters.
+    directions : (n_rows, 2) direction of a derivative in the parameters; of a ghost the arm from
+        its edge's middle, as it lies in the tangent plane there.
     ends : (n_rows, 2) vertices a row belongs to: one twice, or the two ends of its edge.
     """
 
@@ -49,7 +50,7 @@ class SheetRows:
         """(n_rows, 3) rows of a sheet that lies on a surface; edge angles are 0."""
         positions, gradients = surface(self.points)
         along = np.einsum("ncd,nd->nc", gradients, self.directions)
-        out = np.where((self.kinds == POSITION)[:, None], positions, along)
+        out = along + np.where((self.kinds == POSITION)[:, None], positions, 0.0)
         out[self.kinds == ANGLE] = 0.0
         return out
 
@@ -181,12 +182,11 @@ def linear_rows(mesh: SheetMesh, clamped: BoolArray, angles: bool) -> LinearRows
         points.append(mesh.points[mesh.edges].mean(axis=1))
         kinds.append(np.full(len(mesh.edges), ANGLE))
     numbers.append(mesh.edges[ghosted])
-    points.append(_mirrored(mesh)[ghosted])
+    points.append(mesh.points[mesh.edges[ghosted]].mean(axis=1))
     kinds.append(np.full(int(ghosted.sum()), POSITION))
-    rows = SheetRows(
-        np.concatenate(kinds), np.concatenate(points),
-        np.zeros((sum(map(len, points)), 2)), np.concatenate(numbers),
-    )  # fmt: skip
+    arms = np.zeros((sum(map(len, points)), 2))
+    arms[len(arms) - len(points[-1]) :] = _mirrored(mesh)[ghosted] - points[-1]
+    rows = SheetRows(np.concatenate(kinds), np.concatenate(points), arms, np.concatenate(numbers))
     return LinearRows(rows, EdgeStencils(mesh.points[mesh.triangles], vectors, shares, signs))
 
 

@@ -33,8 +33,13 @@ class Pose:
 class Motion(Protocol):
     """How a grip may move."""
 
-    axis: FloatArray
-    n_unknowns: int
+    @property
+    def axis(self) -> FloatArray:
+        """(3,) unit vector about which the grip turns."""
+
+    @property
+    def n_unknowns(self) -> int:
+        """Length of q."""
 
     def pose(self, q: FloatArray) -> Pose:
         """Where the grip is."""

@@ -84,7 +84,7 @@ class SheetProblem:
         self._element_pairs, self._flips = element_pairs[0], flips[0]
         i, j = block_pairs(energy.vectors.shape[1])
         # A row that an element names twice meets itself in block (i, j) and in (j, i).
-        self._doubled = np.nonzero((energy.vectors[:, i] == energy.vectors[:, j]) & (i != j))
+        self._doubled = (energy.vectors[:, i] == energy.vectors[:, j]) & (i != j)
         indptr, indices = element_pattern(
             self._row_indptr, self._columns, self._pairs, len(self.active)
         )
@@ -172,12 +172,13 @@ class SheetProblem:
         if project == NOTHING and self._kept[0] is state:
             return self._kept[1]
         energy = self.sheet.energy
-        blocks = energy.hessian_blocks(state.y)
-        if project == ALL:
-            blocks = project_blocks(blocks, energy.vectors.shape[1])
-        blocks[self._doubled] += np.swapaxes(blocks[self._doubled], -1, -2)
         paired = np.zeros((len(self._pairs), 3, 3))
-        kernels.gather(blocks, self._element_pairs, self._flips, paired)
+        for part, blocks in energy.hessian_chunks(state.y):
+            if project == ALL:
+                blocks = project_blocks(blocks, energy.vectors.shape[1])
+            doubled = np.nonzero(self._doubled[part])
+            blocks[doubled] += np.swapaxes(blocks[doubled], -1, -2)
+            kernels.gather(blocks, self._element_pairs[part], self._flips[part], paired)
         jacobian = self._jacobian.copy()
         for (grip, q, _), columns in zip(self._grips(state.z), self._grip_columns, strict=True):
             jacobian[columns] = grip.jacobian(q)

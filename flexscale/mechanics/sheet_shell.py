@@ -12,6 +12,8 @@ surface are; of a flat sheet F = R and b0 = 0.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numba import njit
 
@@ -27,7 +29,7 @@ from flexscale.mechanics.shell_forms import (
     vector_hessian,
 )
 
-_CHUNK = 4096  # elements whose law derivatives are in memory at a time
+CHUNK = 512  # elements whose Hessians are in memory at a time
 
 
 @njit(cache=True)
@@ -154,19 +156,24 @@ class SheetShell:
         grads = self.law.gradients(states.reshape(-1, 6)).reshape(states.shape)
         _gradient(y, self.vectors, self.derivatives, self.weights, grads, gradient)
 
-    def hessian_blocks(self, y: FloatArray) -> FloatArray:
-        """(n, 78, 3, 3) blocks of d2E/dy2."""
-        out = np.empty((len(self.vectors), N_DOFS * (N_DOFS + 1) // 2, 3, 3))
+    def hessian_chunks(self, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
+        """Blocks of d2E/dy2 of some elements at a time, (m, 78, 3, 3), in memory that is reused."""
         states = self.states(y)
-        for start in range(0, len(out), _CHUNK):
-            part = slice(start, start + _CHUNK)
-            grads, hessians = self.law.derivatives(states[part].reshape(-1, 6))
+        n, size = len(states), min(CHUNK, len(states))
+        blocks = np.empty((size, N_DOFS * (N_DOFS + 1) // 2, 3, 3))
+        for start in range(0, n, size):
+            part = slice(start, min(start + size, n))
+            found = states[part]
+            grads, hessians = self.law.derivatives(found.reshape(-1, 6))
             _hessian(
                 y, self.vectors[part], self.derivatives[part], self.weights[part],
-                grads.reshape(states[part].shape), hessians.reshape(*states[part].shape, 6),
-                out[part],
+                grads.reshape(found.shape), hessians.reshape(*found.shape, 6), blocks,
             )  # fmt: skip
-        return out
+            yield part, blocks[: len(found)]
+
+    def hessian_blocks(self, y: FloatArray) -> FloatArray:
+        """(n, 78, 3, 3) blocks of d2E/dy2."""
+        return np.concatenate([blocks.copy() for _, blocks in self.hessian_chunks(y)])
 
 
 def _in_vertex_frames(maps: FloatArray, frames: FloatArray) -> FloatArray:

@@ -17,6 +17,8 @@ rest length.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numba import njit
 
@@ -25,6 +27,7 @@ from flexscale.mechanics.dihedral import add_angle_gradient, add_angle_hessian, 
 from flexscale.mechanics.edge_angles import EdgeStencils
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.mechanics.sheet_shell import CHUNK
 
 _PAIRS = ((0, 0), (0, 1), (1, 1))
 
@@ -217,7 +220,7 @@ class SheetTriangles:
         self.shares = np.ascontiguousarray(stencils.shares, dtype=float)
         self.signs = np.ascontiguousarray(stencils.signs, dtype=float)
         self.points = stencils.corners.mean(axis=1)[:, None]
-        self.weights = areas[:, None]
+        self._areas, self.weights = areas, areas[:, None]
 
     def _arguments(self, y: FloatArray) -> tuple:
         return (y, self.vectors, self.gradients, self.shapes, self.shares, self.signs)
@@ -244,17 +247,26 @@ class SheetTriangles:
         states = self._flat_states(y)
         if np.isnan(states[0, 0]):
             return np.array([np.inf])
-        return np.array([self.weights[:, 0] @ self.law.energies(states)])
+        return np.array([self._areas @ self.law.energies(states)])
 
     def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
         """Add dE/dy [N, or N mm for edge angles] to `gradient (n_y, 3)`."""
         grads = self.law.gradients(self._flat_states(y))
-        _gradient(*self._arguments(y), self.weights[:, 0].copy(), grads, gradient)
+        _gradient(*self._arguments(y), self._areas, grads, gradient)
+
+    def hessian_chunks(self, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
+        """Blocks of d2E/dy2 of some elements at a time, (m, 45 or 21, 3, 3), in memory that is
+        reused."""
+        states, k = self._flat_states(y), self.vectors.shape[1]
+        n, size = len(states), min(CHUNK, len(states))
+        blocks = np.empty((size, k * (k + 1) // 2, 3, 3))
+        for start in range(0, n, size):
+            part = slice(start, min(start + size, n))
+            grads, hessians = self.law.derivatives(states[part])
+            arguments = (array[part] for array in self._arguments(y)[1:])
+            _hessian(y, *arguments, self._areas[part], grads, hessians, blocks)
+            yield part, blocks[: len(grads)]
 
     def hessian_blocks(self, y: FloatArray) -> FloatArray:
         """(n, 45 or 21, 3, 3) blocks of d2E/dy2."""
-        n, k = self.vectors.shape
-        out = np.empty((n, k * (k + 1) // 2, 3, 3))
-        grads, hessians = self.law.derivatives(self._flat_states(y))
-        _hessian(*self._arguments(y), self.weights[:, 0].copy(), grads, hessians, out)
-        return out
+        return np.concatenate([blocks.copy() for _, blocks in self.hessian_chunks(y)])

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import pytest
 
-from flexscale.status import SolveStatus
-from tests.physics.shell_problems import (
+from benchmarks.shell_problems import (
     cantilever,
     hemisphere,
     orthotropic_plate,
     roll_up,
     slit_annulus,
 )
+from flexscale.status import SolveStatus
 
 
 def values_of(outcome) -> dict[str, float]:

@@ -124,7 +124,7 @@ class BendingRig:
 
     def problem(self, curvature: float) -> SheetProblem:
         """The sheet held at a curvature; its `start` is the cylinder."""
-        placed = self.sheet.rows.place(cylinder(curvature))
+        placed = self.sheet.place(cylinder(curvature))
         conditions = Conditions(self.sheet)
         conditions.clamp(self.ends[0], values=placed)
         conditions.grip(self._grip(curvature, placed))
@@ -151,7 +151,7 @@ class BendingRig:
                 f"into its own end: stay below {2.0 * np.pi / self.length:.4g} mm-1."
             )
         problem = self.problem(curvature)
-        placed = self.sheet.rows.place(cylinder(curvature)).ravel()
+        placed = self.sheet.place(cylinder(curvature)).ravel()
         z = problem.start(1.0, np.concatenate([placed, [0.0]]))
         solution = solve_equilibrium(problem, z, self.solver)
         state: SheetState = solution.evaluation
@@ -182,7 +182,7 @@ class BendingRig:
         moved = []
         for kappa in (curvature - step, curvature + step):
             y = np.zeros_like(state.y)
-            placed = self.sheet.rows.place(cylinder(kappa))
+            placed = self.sheet.place(cylinder(kappa))
             held = self.sheet.rows.rigid(self.ends[0])
             y[held] = placed[held]
             grip = self._grip(kappa, placed)

@@ -36,6 +36,21 @@ class Sheet:
     rest: FloatArray
     absent: BoolArray
 
+    def place(self, surface: Surface) -> FloatArray:
+        """(n_rows, 3) rows of the sheet laid on a surface, edge normals those of the surface."""
+        y = self.rows.place(surface)
+        if isinstance(self.energy, SheetTriangles):
+            self.energy.set_edge_angles(y, self._edge_normals(surface))
+        return y
+
+    def _edge_normals(self, surface: Surface) -> FloatArray:
+        """(n_triangles, 3, 3) unit normals of a surface at the middles of edges."""
+        middles = self.mesh.points[self.mesh.edges].mean(axis=1)
+        gradients = surface(middles)[1]
+        normals = np.cross(gradients[:, :, 0], gradients[:, :, 1])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        return normals[self.mesh.triangle_edges]
+
     @property
     def area(self) -> float:
         """Rest area, mm2."""

@@ -231,6 +231,30 @@ class SheetTriangles:
             states[:] = np.nan
         return states
 
+    def set_edge_angles(self, y: FloatArray, normals: FloatArray) -> None:
+        """Set the edge angles in y so that edges have given normals, (n, 3, 3); none without.
+
+        The turn of a side is from its face's normal to the edge's, about the edge and positive
+        where the sheet rises outward; xi is the mean of s phi over an edge's sides, since theta/2
+        is the same on both.
+        """
+        if self.vectors.shape[1] != 9:
+            return
+        corners = y[self.vectors[:, :3]]
+        spans = np.roll(corners, -1, axis=1) - corners
+        faces = np.cross(spans[:, 0], spans[:, 1])
+        faces /= np.linalg.norm(faces, axis=1, keepdims=True)
+        outward = np.cross(spans, faces[:, None])
+        outward /= np.linalg.norm(outward, axis=2, keepdims=True)
+        rise = -np.sum(normals * outward, axis=2)
+        turns = np.arctan2(rise, np.einsum("nic,nc->ni", normals, faces))
+        rows, own = self.vectors[:, 6:], self.signs != 0.0
+        sums, counts = np.zeros(len(y)), np.zeros(len(y))
+        np.add.at(sums, rows[own], (self.signs * turns)[own])
+        np.add.at(counts, rows[own], 1.0)
+        turning = counts > 0.0
+        y[turning, 0] = sums[turning] / counts[turning]
+
     def states(self, y: FloatArray) -> FloatArray:
         """(n, 1, 6) strain e and shape operator b [mm-1] in the material's axes; nan throughout
         where a triangle is degenerate or a turn reaches pi."""

@@ -27,6 +27,9 @@ from flexscale.units import require_finite, require_positive, require_range
 
 log = logging.getLogger(__name__)
 
+#: Newton decrement over the energy; the step it belongs to is still taken, so that energies are
+#: good to 1e-12 of themselves, and states to 1e-6.
+TOLERANCE = 1e-8
 _KAPPA_STEP = 1e-4  # relative, of the central difference of the strips' places
 
 
@@ -89,7 +92,7 @@ class BendingRig:
     direction : degree, of the sheet's length in the law's axes.
     options : discretization, end strips.
     curvature_range : mm-1, up to which the law is founded on data; beyond it, one warning.
-    solver : how equilibria are sought.
+    solver : how equilibria are sought; its tolerance is TOLERANCE if it is left out.
     """
 
     def __init__(
@@ -106,7 +109,7 @@ class BendingRig:
         self.options = options or SheetOptions()
         self.length = require_positive(length, "sheet length", "mm")
         self.curvature_range = curvature_range
-        self.solver = solver or SolverOptions()
+        self.solver = solver or SolverOptions(tolerance=TOLERANCE)
         strip = require_range(self.options.strip, "strip", "mm", 0.0, np.inf)
         mesh = rectangle(length, width, self.options.size)
         along, close = mesh.points[:, 0], 1e-9 * length

@@ -53,11 +53,16 @@ class Conditions:
         self.hold(self.sheet.rows.rigid(vertices), values=values)
 
     def hinge(
-        self, vertices: BoolArray, direction: tuple[float, float], components: str = "xyz"
+        self,
+        vertices: BoolArray,
+        direction: tuple[float, float],
+        components: str = "xyz",
+        shift: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         """Hold components along a straight line of vertices that runs in a direction of the
-        parameters; the sheet turns about it freely."""
-        self.hold(self.sheet.rows.positions(vertices), components)
+        parameters, or shift it (3,) [mm]; the sheet turns about it freely."""
+        moved = self.sheet.rest + np.asarray(shift, dtype=float)
+        self.hold(self.sheet.rows.positions(vertices), components, moved)
         self.hold(self.sheet.rows.derivatives(vertices, direction), components)
 
     def mirror(
@@ -79,20 +84,26 @@ class Conditions:
         self.hold(self.sheet.rows.derivatives(vertices, across), rest)
 
     def grip(
-        self, grip: Grip, load: ArrayLike | None = None, held: ArrayLike | None = None
+        self,
+        grip: Grip,
+        load: ArrayLike | None = None,
+        held: ArrayLike | None = None,
+        values: ArrayLike | None = None,
     ) -> IntArray:
         """Let rows move as one body; returns the places of its q in z.
 
         Parameters
         ----------
         load : (k,) dead load on q: N on displacements, N mm on an angle.
-        held : (k,) which of q stay 0.
+        held : (k,) which of q are held; none without.
+        values : (k,) where those are held: displacements in mm, angles in rad; 0 without.
         """
         n, k = len(self.target), grip.motion.n_unknowns
         places = np.arange(n, n + k)
         full = np.zeros(k) if load is None else np.asarray(load, dtype=float)
         kept = np.zeros(k, dtype=bool) if held is None else np.asarray(held, dtype=bool)
-        self.target = np.concatenate([self.target, np.zeros(k)])
+        goal = np.zeros(k) if values is None else np.asarray(values, dtype=float)
+        self.target = np.concatenate([self.target, np.where(kept, goal, 0.0)])
         self.load = np.concatenate([self.load, full])
         self.held = np.concatenate([self.held, kept])
         self.held[(3 * grip.rows[:, None] + np.arange(3)).ravel()] = True

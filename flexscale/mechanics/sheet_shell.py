@@ -112,29 +112,27 @@ class SheetShell:
     ) -> None:
         self.law = law
         self.vectors = np.ascontiguousarray(vectors, dtype=np.int64)
-        derivatives, weights = hct_derivatives(corners, edge_normals)
-        if vertex_frames is not None:
-            derivatives = _in_vertex_frames(derivatives, vertex_frames)
-        zero = np.zeros((*weights.shape, 3))
-        states = self._states_of(rest, derivatives, zero)
-        frames, density = _rest_frames(states, material_direction)
-        self.derivatives = _turned(derivatives, frames)
-        self.weights = weights * density
-        self._rest_b = zero
+        n, n_points = len(corners), 3 * len(QUADRATURE_POINTS)
+        self.derivatives = np.empty((n, n_points, 5, N_DOFS))
+        self.weights, self._shares = np.empty((n, n_points)), np.empty((n, N_DOFS))
+        self._rest_b = np.zeros((n, n_points, 3))
+        for start in range(0, n, CHUNK):
+            part = slice(start, start + CHUNK)
+            frames = None if vertex_frames is None else vertex_frames[part]
+            maps, areas = hct_derivatives(corners[part], edge_normals[part])
+            maps = _in_vertex_frames(maps, frames)
+            states = _states_of(rest, self.vectors[part], maps, self._rest_b[part])
+            rest_frames, density = _rest_frames(states, material_direction)
+            self.derivatives[part] = _turned(maps, rest_frames)
+            self.weights[part] = areas * density
+            self._shares[part] = _integrals(corners[part], edge_normals[part], frames)
         self._rest_b = np.ascontiguousarray(self.states(rest)[..., 3:])
         self.points = _quadrature_points(corners)
-        self._shares = _integrals(corners, edge_normals, vertex_frames)
-
-    def _states_of(self, y: FloatArray, derivatives: FloatArray, rest_b: FloatArray) -> FloatArray:
-        states = np.empty((*derivatives.shape[:2], 6))
-        if not _states(y, self.vectors, derivatives, rest_b, states):
-            states[:] = np.nan
-        return states
 
     def states(self, y: FloatArray) -> FloatArray:
         """(n, q, 6) strain e and curvature b - b0 [mm-1] in the material's axes; nan throughout
         where the sheet is degenerate."""
-        return self._states_of(y, self.derivatives, self._rest_b)
+        return _states_of(y, self.vectors, self.derivatives, self._rest_b)
 
     def area_shares(self, n_rows: int) -> FloatArray:
         """(n_rows,) weights of rows in the integral of a field over the parameters, mm2 if the
@@ -176,8 +174,20 @@ class SheetShell:
         return np.concatenate([blocks.copy() for _, blocks in self.hessian_chunks(y)])
 
 
-def _in_vertex_frames(maps: FloatArray, frames: FloatArray) -> FloatArray:
+def _states_of(
+    y: FloatArray, vectors: IntArray, derivatives: FloatArray, rest_b: FloatArray
+) -> FloatArray:
+    """(n, q, 6), nan throughout where the sheet is degenerate."""
+    states = np.empty((*derivatives.shape[:2], 6))
+    if not _states(y, vectors, derivatives, rest_b, states):
+        states[:] = np.nan
+    return states
+
+
+def _in_vertex_frames(maps: FloatArray, frames: FloatArray | None) -> FloatArray:
     """Maps (n, ..., 12) of derivatives along the frames' directions, from those along u and v."""
+    if frames is None:
+        return maps
     inverse = np.linalg.inv(frames)
     out = maps.copy()
     for k in range(3):
@@ -193,8 +203,7 @@ def _integrals(
     area times the mean of its ten ordinates, and the three sub-triangles are equal in area."""
     area = 0.5 * np.linalg.det(corners[:, 1:] - corners[:, :1])
     sums = hct_ordinates(corners, edge_normals).sum(axis=(1, 2, 3, 4))
-    shares = area[:, None] / 30.0 * sums
-    return shares if frames is None else _in_vertex_frames(shares, frames)
+    return _in_vertex_frames(area[:, None] / 30.0 * sums, frames)
 
 
 def _rest_frames(states: FloatArray, direction: float) -> tuple[FloatArray, FloatArray]:

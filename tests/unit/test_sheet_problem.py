@@ -7,6 +7,7 @@ import logging
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.special import ellipe, ellipk
 
 from flexscale.errors import BadInputError, ConfigError, UnknownNameError
 from flexscale.macro.bent_sheet import BendingRig, SheetOptions, bend_sheet
@@ -212,6 +213,47 @@ def test_rigid_motion_of_what_holds_a_sheet_changes_nothing(element):
         energies.append(step.state.strain_energy)
     assert energies[0] > 0.05
     assert energies[1] == pytest.approx(energies[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("element", ["c1", "edge_angle"])
+def test_two_hinges_brought_together_make_an_elastica(element):
+    """A flat sheet is a saddle once it is short enough; it is left, and the force is the elastica's
+    4 K(k)^2 D/L^2 at the distance 2 E(k)/K(k) - 1."""
+    length, width, m = 10.0, 2.0, 0.1
+    mesh = staggered_rectangle(length, width, (12, 2))
+    x = mesh.points[:, 0]
+    left, right = x < 1e-9, x > length - 1e-9
+    sheet = build_sheet(mesh, isotropic_sheet(1.2e4, 0.0, 0.1), element=element)
+    conditions = Conditions(sheet)
+    distance = 2.0 * ellipe(m) / ellipk(m) - 1.0
+    conditions.hinge(left, (0.0, 1.0))
+    conditions.hinge(right, (0.0, 1.0), shift=(length * (distance - 1.0), 0.0, 0.0))
+    (step,) = follow_loads(SheetProblem(conditions), [1.0], SolverOptions(max_iterations=200))
+    assert step.status == SolveStatus.converged
+    assert step.negative_eigenvalues == 0
+    force = step.state.full_gradient[3 * sheet.rows.positions(right)].sum()
+    expected = -4.0 * ellipk(m) ** 2 * (1.2e4 * 0.1**3 / 12.0) / length**2 * width
+    assert force == pytest.approx(expected, rel=0.01)
+
+
+def test_prescribed_angle():
+    """A strip whose end turns by 1 rad and is else free is an arc: E = D w / (2 L), its moment
+    D w / L is the reaction."""
+    mesh = staggered_rectangle(10.0, 2.0, (12, 2))
+    left, right = mesh.points[:, 0] < 1e-9, mesh.points[:, 0] > 10.0 - 1e-9
+    sheet = build_sheet(mesh, isotropic_sheet(1.2e4, 0.0, 0.1), clamped=left | right)
+    conditions = Conditions(sheet)
+    conditions.clamp(left)
+    rows = sheet.rows.rigid(right)
+    position = (sheet.rows.kinds[rows] == POSITION).astype(float)
+    motion = Turning(np.array([0.0, -1.0, 0.0]))
+    grip = Grip(rows, position, sheet.rest[rows], np.array([10.0, 1.0, 0.0]), motion)
+    held = [False, False, False, True]
+    places = conditions.grip(grip, held=held, values=[0.0, 0.0, 0.0, 1.0])
+    steps = follow_loads(SheetProblem(conditions), [0.5, 1.0])
+    assert steps[-1].status == SolveStatus.converged
+    assert steps[-1].state.strain_energy == pytest.approx(0.5 * 2.0 / 10.0, rel=1e-3)
+    assert steps[-1].state.full_gradient[places[3]] == pytest.approx(2.0 / 10.0, rel=1e-3)
 
 
 def test_load_steps_are_cut_where_newton_fails():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -125,13 +126,21 @@ class BendingRig:
         )  # fmt: skip
         self._warned = False
 
-    def problem(self, curvature: float) -> SheetProblem:
-        """The sheet held at a curvature; its `start` is the cylinder."""
-        placed = self.sheet.place(cylinder(curvature))
+    @cached_property
+    def _flat_problem(self) -> SheetProblem:
+        """The sheet between its strips; what it couples is the same at all curvatures."""
         conditions = Conditions(self.sheet)
-        conditions.clamp(self.ends[0], values=placed)
-        conditions.grip(self._grip(curvature, placed))
+        conditions.clamp(self.ends[0])
+        conditions.grip(self._grip(0.0, self.sheet.rest))
         return SheetProblem(conditions, self.solver.linear_solver)
+
+    def problem(self, curvature: float) -> SheetProblem:
+        """The sheet with its strips on a cylinder; one object for all curvatures."""
+        placed = self.sheet.place(cylinder(curvature))
+        conditions = self._flat_problem.conditions
+        conditions.clamp(self.ends[0], values=placed)
+        conditions.move_grip(0, self._grip(curvature, placed))
+        return self._flat_problem
 
     def _grip(self, curvature: float, placed: FloatArray) -> Grip:
         rows = self.sheet.rows.rigid(self.ends[1])

@@ -111,6 +111,10 @@ class Conditions:
         self.grip_start.append(n)
         return places
 
+    def move_grip(self, index: int, grip: Grip) -> None:
+        """Put another grip of the same rows and unknowns in the place of one."""
+        self.grips[index] = grip
+
     def load_point(self, vertex: int, force: ArrayLike) -> None:
         """Dead force (3,) [N] on a vertex."""
         chosen = np.zeros(self.sheet.mesh.n_vertices, dtype=bool)

@@ -155,10 +155,11 @@ PLATE_LAW: SheetLaw = linear_sheet(
 )
 
 
-def orthotropic_plate(element: str, n: int, height: float = 1e-6) -> Outcome:
+def orthotropic_plate(element: str, n: int, height: float = 1e-6, turn: float = 0.0) -> Outcome:
     """Simply supported plate under uniform load: deflection of its middle over Navier's series
     w = 16 q/pi^6 sum sin(m pi/2) sin(k pi/2) / (m k (D11 (m/a)^4 + 2 H (m k/ab)^2 + D22 (k/b)^4)),
-    H = D12 + 2 D66, at a load for which that is `height` [mm]."""
+    H = D12 + 2 D66, at a load for which that is `height` [mm]. The plate is drawn turned by `turn`
+    [rad], and its material with it."""
     a, b = PLATE
     d = PLATE_LAW.parameters[9:].reshape(3, 3)
     m, k = np.arange(1, 400, 2)[:, None], np.arange(1, 400, 2)[None]
@@ -171,11 +172,13 @@ def orthotropic_plate(element: str, n: int, height: float = 1e-6) -> Outcome:
     else:
         mesh = staggered_rectangle(a, b, (2 * n, 2 * n))
     x, y = mesh.points.T
-    sheet = build_sheet(mesh, PLATE_LAW, element=element)
+    axes = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    drawn = mesh.mapped(lambda points: points @ axes)
+    sheet = build_sheet(drawn, PLATE_LAW, element=element, material_direction=turn)
     conditions = Conditions(sheet)
-    sides = (x < CLOSE, (0.0, 1.0)), (x > a - CLOSE, (0.0, 1.0)), (y < CLOSE, (1.0, 0.0))
-    for side, direction in (*sides, (y > b - CLOSE, (1.0, 0.0))):
-        conditions.hinge(side, direction, "z")
+    sides = (x < CLOSE, axes[1]), (x > a - CLOSE, axes[1]), (y < CLOSE, axes[0])
+    for side, direction in (*sides, (y > b - CLOSE, axes[0])):
+        conditions.hinge(side, (direction[0], direction[1]), "z")
     conditions.hold(sheet.rows.positions((x < CLOSE) & (y < CLOSE)), "xy")
     conditions.hold(sheet.rows.positions((x > a - CLOSE) & (y < CLOSE)), "y")
     conditions.load_area((0.0, 0.0, height / navier))

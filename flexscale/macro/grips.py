@@ -3,9 +3,9 @@
 Positions X of the gripped part go to o + d(q) + R(theta(q)) (X - o), its derivatives and normals
 turn with R, a rotation about a fixed axis a. With A v = a x v,
 
-    dx/dq_i = d_i + theta_i A R r,   d2x/dq_i dq_j = d_ij + theta_ij A R r + theta_i theta_j A A R r
+    dx/dq_i = d_i + theta_i A R r,   d2x/dq_i dq_j = d_ij + theta_i theta_j A A R r
 
-where r = X - o; derivatives of the sheet lack the terms in d.
+where r = X - o and theta is linear in q; derivatives of the sheet lack the terms in d.
 """
 
 from __future__ import annotations
@@ -20,14 +20,13 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Pose:
-    """Displacement d (3,), angle, and their derivatives in q: (k, 3), (k,), (k, k, 3), (k, k)."""
+    """Displacement d (3,) and angle; their rates (k, 3) and (k,) in q, and d's curve (k, k, 3)."""
 
     shift: FloatArray
     angle: float
     shift_rate: FloatArray
     angle_rate: FloatArray
     shift_curve: FloatArray
-    angle_curve: FloatArray
 
 
 class Motion(Protocol):
@@ -59,8 +58,7 @@ class Turning:
         """d and theta as they are."""
         rate = np.zeros((4, 3))
         rate[:3] = np.eye(3)
-        flat = np.zeros((4, 4))
-        return Pose(q[:3], float(q[3]), rate, np.eye(4)[3], np.zeros((4, 4, 3)), flat)
+        return Pose(q[:3], float(q[3]), rate, np.eye(4)[3], np.zeros((4, 4, 3)))
 
 
 @dataclass(frozen=True)
@@ -93,7 +91,7 @@ class Sliding:
         shift = s * np.sinc(k * s / np.pi) * self.tangent + 0.5 * k * s**2 * half**2 * self.normal
         rate = c * self.tangent + d * self.normal
         curve = k * (c * self.normal - d * self.tangent)
-        return Pose(shift, 0.0, rate[None], np.zeros(1), curve[None, None], np.zeros((1, 1)))
+        return Pose(shift, 0.0, rate[None], np.zeros(1), curve[None, None])
 
 
 @dataclass(frozen=True)
@@ -139,4 +137,4 @@ class Grip:
         curve = np.cross(self.motion.axis, turn)
         squares = np.outer(pose.angle_rate, pose.angle_rate)
         shifted = pose.shift_curve @ (self.is_position @ forces)
-        return shifted + pose.angle_curve * np.sum(forces * turn) + squares * np.sum(forces * curve)
+        return shifted + squares * np.sum(forces * curve)

@@ -28,7 +28,8 @@ class LoadStep:
     factor : load factor.
     status : of the last solve; only `converged` states are equilibria.
     state : energy, rows, reactions.
-    iterations : factorizations, those of cut steps included.
+    iterations : of Newton's method, those of cut steps included; each step has one factorization
+        more, for the tangent it starts from.
     negative_eigenvalues : of the Hessian; an equilibrium that has some is unstable.
     """
 

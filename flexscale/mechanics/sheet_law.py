@@ -50,6 +50,10 @@ class SheetLaw:
     parameters: FloatArray = field(repr=False)
     stiffness: float
 
+    def __post_init__(self) -> None:
+        # Kernels are compiled for one kind of array.
+        object.__setattr__(self, "parameters", np.ascontiguousarray(self.parameters, dtype=float))
+
     def energies(self, states: FloatArray) -> FloatArray:
         """(n,) energy per rest area [N/mm] at states (n, 6) = (e, b)."""
         out = np.empty(len(states))

@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike
 from flexscale.errors import BadInputError
 from flexscale.macro.grips import Grip
 from flexscale.macro.sheet import Sheet
-from flexscale.macro.sheet_rows import POSITION
+from flexscale.macro.sheet_rows import DERIVATIVE, POSITION
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.sheet import BoolArray
 
+_UNIT = 1e-6  # by which the length of a unit of the parameters may differ from 1
 _COMPONENTS = {"x": 0, "y": 1, "z": 2}
 
 
@@ -78,7 +79,16 @@ class Conditions:
         ----------
         along, across : directions of the line and across it, in the parameters.
         axis : "x", "y" or "z", the direction normal to the plane.
+
+        Raises
+        ------
+        BadInputError : a sheet of linear triangles.
         """
+        if not (self.sheet.rows.kinds == DERIVATIVE).any():
+            raise BadInputError(
+                "Linear triangles cannot be cut at a plane of symmetry, for their edge normals "
+                "depend on what lies across: mesh the whole sheet, or take element='c1'."
+            )
         self.hinge(vertices, along, axis)
         rest = "xyz".replace(axis, "")
         self.hold(self.sheet.rows.derivatives(vertices, across), rest)
@@ -145,11 +155,28 @@ class Conditions:
                 if len(slopes):
                     # x along the edge is a combination of the two derivatives of the vertex.
                     shares = np.linalg.solve(rows.directions[slopes].T, span / length)
+                    self._check_unit(shares @ self.sheet.rest[slopes], mesh.points[vertex])
                     self._add(slopes, sign * length**2 / 12.0 * np.outer(shares, per_length))
+
+    @staticmethod
+    def _check_unit(derivative: FloatArray, place: FloatArray) -> None:
+        if abs(np.linalg.norm(derivative) - 1.0) > _UNIT:
+            raise BadInputError(
+                f"A line load needs parameters that are lengths along its line, but at parameters "
+                f"({place[0]:.4g}, {place[1]:.4g}) one unit is {np.linalg.norm(derivative):.4g} mm "
+                "long at rest: choose other parameters, or load points."
+            )
 
     def load_area(self, force: ArrayLike) -> None:
         """Dead force per rest area (3,) [N/mm2] on a sheet that is flat at rest."""
         shares = self.sheet.energy.area_shares(len(self.sheet.rest))
+        drawn = float(shares[self.sheet.rows.kinds == POSITION].sum())
+        if abs(drawn - self.sheet.area) > _UNIT * drawn:
+            raise BadInputError(
+                f"A load per area needs a sheet that is drawn as it is at rest, but an area of "
+                f"{drawn:.4g} in its parameters is {self.sheet.area:.4g} mm2 at rest: load points "
+                "instead."
+            )
         self.load[: self.sheet.rest.size] += np.outer(shares, np.asarray(force, float)).ravel()
 
     def _add(self, rows: IntArray, forces: FloatArray) -> None:

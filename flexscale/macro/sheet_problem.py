@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from flexscale.embedding import pull_kernels as kernels
 from flexscale.embedding.pair_pattern import element_pattern, find_slots, number_pairs
 from flexscale.errors import BadInputError
 from flexscale.macro.conditions import Conditions
+from flexscale.macro.grips import Grip
 from flexscale.mechanics.energy import (
     ALL,
     CONTACT,
@@ -132,7 +134,8 @@ class SheetProblem:
                     slots[i, j] = indptr[row] + np.searchsorted(part, column)
         return slots
 
-    def _grips(self, z: FloatArray):  # type: ignore[no-untyped-def]
+    def _grips(self, z: FloatArray) -> Iterator[tuple[Grip, FloatArray, int]]:
+        """Grips, their unknowns, and where these begin in z."""
         for grip, start in zip(self.conditions.grips, self.conditions.grip_start, strict=True):
             yield grip, z[start : start + grip.motion.n_unknowns], start
 

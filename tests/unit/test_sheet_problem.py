@@ -288,6 +288,15 @@ def test_bad_input_is_refused():
         conditions.load_line(inside & (abs(mesh.points[:, 1] - 2.5) < 0.1), (0.0, 0.0, 1.0))
     with pytest.raises(BadInputError, match="no derivative along"):
         conditions.hinge(mesh.points[:, 0] < 1e-9, (1.0, 1.0))
+    linear = Conditions(build_sheet(mesh, LAW, element="edge_angle"))
+    with pytest.raises(BadInputError, match="plane of symmetry"):
+        linear.mirror(mesh.points[:, 0] < 1e-9, (0.0, 1.0), (1.0, 0.0), "x")
+    small = mesh.mapped(lambda points: 0.1 * points)
+    curved = Conditions(build_sheet(small, LAW, surface=sphere(10.0)))
+    with pytest.raises(BadInputError, match="lengths along its line"):
+        curved.load_line(mesh.points[:, 0] < 1e-9, (0.0, 0.0, 1.0))
+    with pytest.raises(BadInputError, match="drawn as it is"):
+        curved.load_area((0.0, 0.0, 1.0))
     conditions.clamp(np.ones(mesh.n_vertices, dtype=bool))
     with pytest.raises(BadInputError, match="All of the sheet is held"):
         SheetProblem(conditions)

@@ -39,6 +39,11 @@ class Conditions:
         self.grips: list[Grip] = []
         self.grip_start: list[int] = []
 
+    @property
+    def row_loads(self) -> FloatArray:
+        """(n_rows, 3) loads on the rows."""
+        return self.load[: self.sheet.rest.size].reshape(-1, 3)
+
     def hold(
         self, rows: IntArray, components: str = "xyz", values: ArrayLike | None = None
     ) -> None:

@@ -57,6 +57,10 @@ class SheetProblem:
     conditions : what holds and loads the sheet.
     linear_solver : "auto", "pardiso" or "superlu".
 
+    Raises
+    ------
+    BadInputError : all is held, or a load acts on what a grip carries.
+
     Attributes
     ----------
     factor : load factor; change it with `start`, which also moves what is held.
@@ -71,6 +75,12 @@ class SheetProblem:
         self.active = np.flatnonzero(~conditions.held)
         if not len(self.active):
             raise BadInputError("All of the sheet is held: leave something free to move.")
+        carried = [grip.rows for grip in conditions.grips]
+        if carried and conditions.row_loads[np.concatenate(carried)].any():
+            raise BadInputError(
+                "A load acts on a part of the sheet that a grip carries: load the grip instead, by "
+                "a force or a moment on its unknowns."
+            )
         self.shift_mode = np.zeros(len(self.active))
         # Energies below this are rounding: strains of 1e-12.
         self.energy_floor = 1e-24 * self.sheet.area * self.sheet.energy.law.stiffness

@@ -12,10 +12,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flexscale.embedding import pull_kernels as kernels
+from flexscale.embedding.pair_pattern import (
+    SlotArray,
+    element_pattern,
+    find_slots,
+    number_pairs,
+)
 from flexscale.embedding.world_map import SecondOrder, World, WorldMap
 from flexscale.mechanics.energy import (
     ALL,
@@ -24,11 +28,8 @@ from flexscale.mechanics.energy import (
     FloatArray,
     IntArray,
     PairEnergy,
-    block_pairs,
     project_blocks,
 )
-
-SlotArray = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,18 @@ class PullBack:
         self._position[active] = np.arange(len(active))
         self.n_active = len(active)
         self._columns = self._position[world_map.columns]
-        self._number_pairs()
-        self.indptr, self.indices = self._element_pattern()
+        keys, self._element_pairs, self._element_flips = number_pairs(
+            self.energies, world_map.n_rows
+        )
+        self._pairs = self._pairs_of(keys)
+        self.indptr, self.indices = element_pattern(
+            world_map.indptr,
+            self._columns,
+            self._pairs,
+            self.n_active,
+            # Images that contact alone uses: their second derivatives couple home and S.
+            self._image_columns(),
+        )
         self._element_slots = self._slots = self._find_slots()
         self._entries = self._row_keys(self.indptr, self.indices)
         self._room = np.zeros(0, dtype=np.int64)
@@ -141,45 +152,6 @@ class PullBack:
     def _pairs_of(self, keys: IntArray) -> IntArray:
         return np.stack(np.divmod(keys, self.world_map.n_rows), axis=1)
 
-    def _number_pairs(self) -> None:
-        n = self.world_map.n_rows
-        keys = []
-        for energy in self.energies:
-            i, j = block_pairs(energy.vectors.shape[1])
-            first, second = energy.vectors[:, i], energy.vectors[:, j]
-            keys.append(np.minimum(first, second) * n + np.maximum(first, second))
-        unique = np.unique(np.concatenate([k.ravel() for k in keys]))
-        self._pairs = self._pairs_of(unique)
-        self._element_pairs, self._element_flips = [], []
-        for energy, key in zip(self.energies, keys, strict=True):
-            i, j = block_pairs(energy.vectors.shape[1])
-            self._element_pairs.append(np.searchsorted(unique, key))
-            self._element_flips.append(energy.vectors[:, i] > energy.vectors[:, j])
-
-    def _element_pattern(self) -> tuple[IntArray, IntArray]:
-        m = self.world_map
-        rows = np.repeat(np.arange(m.n_rows), np.diff(m.indptr))
-        kept = self._columns >= 0
-        ones = np.ones(int(kept.sum()), dtype=np.float32)
-        jacobian = sp.csr_array(
-            (ones, (rows[kept], self._columns[kept])), shape=(m.n_rows, self.n_active)
-        )
-        ones = np.ones(len(self._pairs), dtype=np.float32)
-        blocks = sp.csr_array((ones, self._pairs.T), shape=(m.n_rows, m.n_rows))
-        blocks = blocks + blocks.T
-        product = jacobian.T @ (blocks @ jacobian)
-        # Images that contact alone uses: their second derivatives couple home and S.
-        own = self._image_columns()
-        kept = own >= 0
-        images = sp.csr_array(
-            (np.ones(int(kept.sum()), dtype=np.float32), (np.nonzero(kept)[0], own[kept])),
-            shape=(len(own), self.n_active),
-        )
-        product = product + images.T @ images
-        upper = sp.csr_array(sp.triu(product + sp.eye_array(self.n_active, dtype=np.float32)))
-        upper.sort_indices()
-        return upper.indptr.astype(np.int64), upper.indices.astype(np.int64)
-
     def _image_columns(self) -> IntArray:
         """(n_images, 6) positions of home and S, -1 for what is no unknown or does not matter."""
         m, images = self.world_map, self.world_map.images
@@ -207,15 +179,7 @@ class PullBack:
 
     def _pair_slots(self, pairs: IntArray) -> tuple[IntArray, SlotArray]:
         """Where the entries of each pair begin (n + 1,), and their slots."""
-        row_indptr = self.world_map.indptr
-        widths = np.diff(row_indptr)
-        counts = widths[pairs[:, 0]] * widths[pairs[:, 1]]
-        indptr = np.concatenate([[0], np.cumsum(counts)])
-        slots = np.empty(indptr[-1], dtype=np.int32)
-        kernels.find_pair_slots(
-            pairs, row_indptr, self._columns, indptr, self.indptr, self.indices, slots
-        )
-        return indptr, slots
+        return find_slots(pairs, self.world_map.indptr, self._columns, self.indptr, self.indices)
 
     def pair_blocks(self, y: FloatArray, project: str = NOTHING) -> PairBlocks:
         """Blocks of d2E/dy2, optionally of a positive part of contact or of all."""

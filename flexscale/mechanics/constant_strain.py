@@ -19,7 +19,7 @@ from flexscale.mechanics.shell_law import membrane_energy, thickness_stretch_squ
 
 
 @njit(cache=True)
-def _deform(y, triangle, gradients, f, strain):
+def deform(y, triangle, gradients, f, strain):
     """Fill F (3, 2) and a - I as (11, 12, 22); returns det a - 1."""
     for r in range(3):
         for c in range(2):
@@ -38,7 +38,7 @@ def _energy(y, triangles, gradients, areas, law):
     f, e = np.empty((3, 2)), np.empty(3)
     total = 0.0
     for t in range(len(triangles)):
-        if not _deform(y, triangles[t], gradients[t], f, e) > -1.0:
+        if not deform(y, triangles[t], gradients[t], f, e) > -1.0:
             return np.inf
         total += areas[t] * thickness * membrane_energy(e[0], e[1], e[2], mu, lam)
     return total
@@ -61,7 +61,7 @@ def _gradient(y, triangles, gradients, areas, law, out):
     f, e, d = np.empty((3, 2)), np.empty(3), np.empty((3, 3))
     for t in range(len(triangles)):
         n = gradients[t]
-        det_minus_one = _deform(y, triangles[t], n, f, e)
+        det_minus_one = deform(y, triangles[t], n, f, e)
         _dual_vectors(f, e, det_minus_one, n, d)
         log_area = 0.5 * np.log1p(det_minus_one)
         slope = -mu * (1.0 + thickness_stretch_squared(log_area, mu, lam))  # m'
@@ -78,7 +78,7 @@ def _hessian(y, triangles, gradients, areas, law, out):
     f, e, d, normal = np.empty((3, 2)), np.empty(3), np.empty((3, 3)), np.empty(3)
     for t in range(len(triangles)):
         n = gradients[t]
-        det_minus_one = _deform(y, triangles[t], n, f, e)
+        det_minus_one = deform(y, triangles[t], n, f, e)
         _dual_vectors(f, e, det_minus_one, n, d)
         stretch = 1.0 + thickness_stretch_squared(0.5 * np.log1p(det_minus_one), mu, lam)
         slope, curve = -mu * stretch, mu * lam / (mu + 0.5 * lam / stretch)  # m', m''

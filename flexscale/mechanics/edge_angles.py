@@ -83,7 +83,7 @@ def _couples(stiffness, c, moment, rate):
 
 
 @njit(cache=True)
-def _local_nodes(i):
+def local_nodes(i):
     """Local numbers of p, q, a, b of edge i."""
     return (i, (i + 1) % 3, (i + 2) % 3, 3 + i)
 
@@ -101,7 +101,7 @@ def _gradient(y, vectors, stiffness, shares, signs, out):
             if shares[t, i] == 0.0:
                 continue
             g = moment[i] * rate[i]
-            add_angle_gradient(frames[i], sizes[i], g * shares[t, i], _local_nodes(i), local)
+            add_angle_gradient(frames[i], sizes[i], g * shares[t, i], local_nodes(i), local)
             if vectors.shape[1] == 9:
                 out[vectors[t, 6 + i], 0] += g * signs[t, i]
         for k in range(6):
@@ -128,8 +128,8 @@ def _hessian(y, vectors, stiffness, shares, signs, out):
             if shares[t, i] == 0.0:
                 continue
             g = moment[i] * rate[i] * shares[t, i]
-            add_angle_gradient(frames[i], sizes[i], shares[t, i], _local_nodes(i), slopes[i])
-            add_angle_hessian(frames[i], sizes[i], g, _local_nodes(i), full)
+            add_angle_gradient(frames[i], sizes[i], shares[t, i], local_nodes(i), slopes[i])
+            add_angle_hessian(frames[i], sizes[i], g, local_nodes(i), full)
             if n == 9:
                 slopes[i, 6 + i, 0] = signs[t, i]
         for i in range(3):

@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 import scipy.sparse.linalg
 
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.constraint import ConstrainedSystem
 
 RESTARTS = 10  # of the Lanczos iteration; more would cost more than another search direction
 _ROUNDING = 1e-12  # of the inverse's size: it vanishes, but for rounding, along the constraint
 
 
+class System(Protocol):
+    """Linear systems with the Hessian under c.dz = 0; c = 0 where nothing is constrained."""
+
+    constraint: FloatArray
+
+    def factorize(self, values: FloatArray, damping: float = 0.0) -> int:
+        """Factorize; returns the number of negative eigenvalues on the constraint."""
+
+    def solve(
+        self, right_hand_side: FloatArray, target: float = 0.0, compliance: float = 0.0
+    ) -> tuple[FloatArray, float]:
+        """Solution and multiplier."""
+
+
 def negative_modes(
-    system: ConstrainedSystem, count: int, compliance: float = 0.0
+    system: System, count: int, compliance: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
     """The `count` eigenpairs of the factorized H on c.dz = 0 that lie closest below zero.
 

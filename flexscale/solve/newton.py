@@ -18,8 +18,7 @@ import numpy as np
 
 from flexscale.errors import ConfigError, suggest
 from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, FloatArray
-from flexscale.solve.constraint import ConstrainedSystem
-from flexscale.solve.negative_modes import negative_modes
+from flexscale.solve.negative_modes import System, negative_modes
 from flexscale.status import SolveStatus
 from flexscale.units import require_positive
 
@@ -80,7 +79,7 @@ class Objective(Protocol):
     energy_floor: float  # N mm; a Newton decrement below it is rounding
 
     @property
-    def system(self) -> ConstrainedSystem:
+    def system(self) -> System:
         """Linear systems on the present pattern of nonzeros."""
 
     def evaluate(self, z: FloatArray) -> Any:

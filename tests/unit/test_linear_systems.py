@@ -13,6 +13,7 @@ from flexscale.solve.linear import (
     available_linear_solver,
     build_factorization,
 )
+from flexscale.solve.unconstrained import UnconstrainedSystem
 
 BACKENDS = ["superlu", "pardiso"]
 N = 60
@@ -110,3 +111,18 @@ def test_solver_is_chosen_by_name_and_environment(monkeypatch):
     assert available_linear_solver() == "superlu"
     with pytest.raises(UnknownNameError, match="superlu"):
         available_linear_solver("superlux")
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+@pytest.mark.parametrize("n_negative", [0, 3])
+def test_unconstrained_system(name, n_negative):
+    """Solution, inertia and damping without a constraint; target and multiplier do not matter."""
+    dense = matrix(n_negative)
+    factorization, indptr, values = build(name, dense)
+    system = UnconstrainedSystem(factorization, indptr[:-1])
+    assert system.factorize(values) == n_negative
+    right = np.random.default_rng(5).normal(size=N)
+    step, multiplier = system.solve(right, target=1.0)
+    assert step == pytest.approx(np.linalg.solve(dense, right), rel=1e-9)
+    assert multiplier == 0.0
+    assert system.factorize(values, damping=100.0) == 0

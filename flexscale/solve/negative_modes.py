@@ -9,7 +9,7 @@ import scipy.sparse.linalg
 
 from flexscale.mechanics.energy import FloatArray
 
-RESTARTS = 10  # of the Lanczos iteration; more would cost more than another search direction
+RESTARTS = 3  # of the Lanczos iteration; more would cost more than another search direction
 _ROUNDING = 1e-12  # of the inverse's size: it vanishes, but for rounding, along the constraint
 
 

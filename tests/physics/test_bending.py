@@ -10,11 +10,17 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
+from flexscale.mechanics.scale_options import SCALE_MODELS
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import D, hexagon, hexagon_problem, square, square_problem
+
+COARSE = fs.MeshOptions(
+    across=2, corner=0.25, growth=1.6, scale_rim=0.45, scale_strips=1, scale_growth=3.0,
+    scale_layers=3, layer_growth=3.0,
+)  # fmt: skip
 
 
 def solve(problem, curvature, degrees, options=None, start=None):
@@ -36,10 +42,15 @@ def test_bare_sheet_has_moment_d_kappa(curvature, degrees):
     assert np.abs(solution.z[-3:]).max() < 1e-4
 
 
-@pytest.mark.parametrize("problem", [square_problem, hexagon_problem])
-def test_derivatives_of_the_bent_cell(problem):
+@pytest.mark.parametrize("scales", SCALE_MODELS)
+@pytest.mark.parametrize("make", [square, hexagon])
+def test_derivatives_of_the_bent_cell(make, scales):
     """Gradient, unprojected Hessian, moment and load rate in z at a random deformed state."""
-    problem = problem()
+    # Contact has tests of its own: a random state would press scales together.
+    contact = fs.ContactOptions(enabled=False)
+    problem = CellProblem.from_pattern(
+        make(), COARSE, contact=contact, scales=fs.ScaleOptions(scales)
+    )
     generator = np.random.default_rng(4)
     rest = problem.embedding.rest
     z = rest + 2e-3 * generator.normal(size=len(rest))
@@ -117,9 +128,13 @@ def test_augmented_lagrangian_meets_the_bordered_solve(problem, curvature):
     """The paper's treatment of [Eq. 8] and the bordered system: one state, to 1e-8 mm."""
     problem = problem()
     options = SolverOptions(constraint="augmented_lagrangian", max_iterations=200)
-    _, near = solve(problem, 0.8 * curvature, 25.0)
-    _, lagrangian = solve(problem, curvature, 25.0, options, near.z)
-    _, bordered = solve(problem, curvature, 25.0, start=near.z)
+    side = "closing" if curvature > 0.0 else "opening"
+    line = Line(side, 25.0, (0.8 * abs(curvature),))
+    (sample,) = follow_line(problem, line, SolverOptions())
+    # Moved on with the bend, so that no strip of sheet is thrown over into another state.
+    near = sample["state"] + 0.2 * abs(curvature) * sample["rate"]
+    _, lagrangian = solve(problem, curvature, 25.0, options, near)
+    _, bordered = solve(problem, curvature, 25.0, start=near)
     assert lagrangian.status == bordered.status == SolveStatus.converged
     assert np.abs(lagrangian.z - bordered.z).max() < 1e-8
     assert lagrangian.multiplier == pytest.approx(bordered.multiplier, rel=1e-6)

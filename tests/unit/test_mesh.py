@@ -148,8 +148,8 @@ def _distance_to_segments(point: np.ndarray, start: np.ndarray, end: np.ndarray)
 
 def test_default_square_cell_is_small() -> None:
     mesh = build_mesh(Pattern(Tiling("IH76")))
-    assert 100 <= (mesh.triangle_scale < 0).sum() <= 200
-    assert mesh.n_scale_vertices < 2000
+    assert 100 <= (mesh.triangle_scale < 0).sum() <= 300
+    assert mesh.n_scale_vertices < 10000
 
 
 @pytest.mark.parametrize("digits", [3, 4, 5, 6, 7, 9])
@@ -236,7 +236,7 @@ def test_chain_nodes_reverse_with_the_chain(sharp: bool, lengths: list[float]) -
 
 def test_nodes_of_a_curve_are_graded_as_on_a_straight_edge() -> None:
     """Corners of a fine curve are its only nodes, and those of a coarse one the fewest."""
-    options = MeshOptions()
+    options = MeshOptions(corner=0.25, growth=1.6)
     straight = len(subdivide_chain(np.array([12.0]), True, options).along)
     for n_edges in (2, 5, 10):
         nodes = subdivide_chain(np.full(n_edges, 12.0 / n_edges), True, options)
@@ -317,7 +317,7 @@ def test_options_out_of_range(options: dict, error: type[Exception], words: str)
 
 
 def test_finer_options() -> None:
-    options = MeshOptions(along=1.0, across=2, scale_layers=3, growth=1.44)
+    options = MeshOptions(along=1.0, across=2, scale_layers=3, growth=1.44, scale_strips=1)
     assert MeshOptions(**options.to_config()) == options
     finer = options.finer(2.0)
     assert (finer.across, finer.along, finer.scale_layers) == (4, 0.5, 6)

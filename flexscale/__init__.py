@@ -14,8 +14,10 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import between, open_registry
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
+    from flexscale.macro.bent_sheet import SheetOptions
     from flexscale.macro.fit import fit
     from flexscale.macro.model import MacroModel
+    from flexscale.macro.simulate import simulate_sheet
     from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -37,6 +39,7 @@ __all__ = [
     "NeoHookean",
     "Pattern",
     "ScaleOptions",
+    "SheetOptions",
     "SolverOptions",
     "SubstrateOptions",
     "Tiling",
@@ -47,6 +50,7 @@ __all__ = [
     "named_patterns",
     "open_registry",
     "plot",
+    "simulate_sheet",
     "sweep",
     "tangent_stiffness",
 ]
@@ -60,6 +64,7 @@ _HOMES = {
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",
+    "SheetOptions": "flexscale.macro.bent_sheet",
     "ScaleOptions": "flexscale.mechanics.scale_options",
     "SolverOptions": "flexscale.solve.newton",
     "SubstrateOptions": "flexscale.mechanics.substrate_options",
@@ -70,6 +75,7 @@ _HOMES = {
     "named_pattern": "flexscale.patterns.named",
     "named_patterns": "flexscale.patterns.named",
     "open_registry": "flexscale.datasets.registry",
+    "simulate_sheet": "flexscale.macro.simulate",
     "sweep": "flexscale.homogenize.sweep",
     "tangent_stiffness": "flexscale.homogenize.tangent",
 }

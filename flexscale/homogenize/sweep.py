@@ -16,6 +16,7 @@ from flexscale.errors import UnitRangeError, UnknownNameError, suggest
 from flexscale.homogenize.cell_problem import CellModel, CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
+from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
 from flexscale.homogenize.sweep_dataset import build_dataset_of
 from flexscale.homogenize.symmetry import (
     check_line,
@@ -135,8 +136,9 @@ def sweep(
         linear_solver=solver.linear_solver,
     )
     workers = min(workers or os.cpu_count() or 1, len(lines))
+    # This compiles and caches the kernels, too, before processes start.
+    mesh_error = estimate_mesh_error(pattern, mesh, problem.model, solve_tangent(problem))
     if workers > 1:
-        solve_tangent(problem)  # compiles and caches the kernels once, before processes start
         results = _in_processes(problem, lines, solver, checkpoint, workers)
     else:
         results = _in_turn(problem, lines, solver, checkpoint)
@@ -153,6 +155,7 @@ def sweep(
     dataset = build_dataset_of(
         pattern, pattern_scalars(pattern, mesh), options, samples, axes, sources
     )
+    note_mesh_error(dataset, mesh_error)
     if check is not None:
         error = symmetry_error(check, directions, sources, samples)
         dataset["symmetry_source"].attrs["comment"] = (

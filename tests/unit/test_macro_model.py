@@ -113,6 +113,7 @@ def test_tangent_comes_from_the_recipe_of_a_sweep() -> None:
         "pattern": pattern.to_config(),
         "mesh": coarse.to_config(),
         "substrate": fs.SubstrateOptions().to_config(),
+        "scales": fs.ScaleOptions().to_config(),
     }
     found = tangent_of_sweep(law_sweep(config=config))
     assert found is not None

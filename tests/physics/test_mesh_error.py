@@ -1,0 +1,46 @@
+"""The estimate of the mesh error that datasets carry."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import flexscale as fs
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.mesh_error import estimate_mesh_error
+from flexscale.homogenize.tangent import solve_tangent
+from tests.physics.cells import hexagon, square
+from tests.physics.test_scale_modes import MESH
+
+NO_CONTACT = fs.ContactOptions(enabled=False)
+ANGLES = np.arange(0.0, 180.0, 5.0)
+
+
+@pytest.mark.parametrize("make", [square, hexagon])
+def test_estimate_is_of_the_size_of_the_error(make):
+    """Against a mesh three times as fine: neither hidden nor overstated by more than a factor."""
+    pattern = make()
+    problem = CellProblem.from_pattern(pattern, MESH, contact=NO_CONTACT)
+    tangent = solve_tangent(problem)
+    fine = CellProblem.from_pattern(pattern, MESH.finer(3.0), contact=NO_CONTACT)
+    limit = solve_tangent(fine).stiffness(ANGLES)
+    error = float(np.abs(tangent.stiffness(ANGLES) / limit - 1.0).max())
+    estimate = estimate_mesh_error(pattern, MESH, problem.model, tangent)
+    assert 0.5 * error < estimate < 5.0 * error
+
+
+def test_no_larger_elements_no_estimate():
+    """The gap cannot be meshed with elements longer than its sides: nan, not a failure."""
+    pattern = square()
+    long = dataclasses.replace(MESH, scale_size=1e3, scale_corner=1e3, along=1e3)
+    problem = CellProblem.from_pattern(pattern, MESH, contact=NO_CONTACT)
+    estimate = estimate_mesh_error(pattern, long, problem.model, solve_tangent(problem))
+    assert np.isnan(estimate) or estimate > 0.0
+
+
+def test_sweeps_carry_it():
+    data = fs.sweep(square(), [0.0], [0.0, 0.001], ["closing"], mesh=MESH, workers=1)
+    assert 0.0 < data.attrs["mesh_error_at_rest"] < 0.2
+    assert "twice as large" in data.attrs["mesh_error_comment"]

@@ -28,6 +28,7 @@ from shell_problems import (
 from flexscale.macro.bent_sheet import BendingRig, BentSheet, SheetOptions
 from flexscale.macro.sheet_problem import SheetProblem
 from flexscale.mechanics.linear_law import linear_sheet, orthotropic_matrix
+from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
 #: Between two end strips; the stand-in for a fitted law: N/mm and N mm, of the order of a scaled
@@ -173,12 +174,17 @@ class Cost:
         return self.setup + self.solve
 
 
-def bend(element: str, size: float, repetitions: int = 3) -> Cost:
+def bend(
+    element: str, size: float, repetitions: int = 3, law: SheetLaw = LAW, direction: float = 0.0
+) -> Cost:
     """The sheet at CURVATURE from nothing, the fastest of some repetitions."""
     best: Cost | None = None
     for _ in range(repetitions):
         wall, start = time.perf_counter(), time.process_time()
-        rig = BendingRig(LAW, length=LENGTH, width=WIDTH, options=SheetOptions(element, size))
+        rig = BendingRig(
+            law, length=LENGTH, width=WIDTH, direction=direction,
+            options=SheetOptions(element, size),
+        )  # fmt: skip
         middle = time.process_time()
         with clocks() as spent:
             sheet = rig.bend(CURVATURE)

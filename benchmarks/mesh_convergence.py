@@ -3,15 +3,14 @@
     python benchmarks/mesh_convergence.py [--patterns NAME …] [--only-report]
 
 Squares, hexagons, chevrons and arrowheads, both sides, softest and stiffest direction of the flat
-sheet, at 0.002 /mm (before contact), 0.015 and 0.025 /mm. One knob at a time is refined, the others
-stay at their default; at the end all of them are finer together. What is done is kept in
-results/reference/benchmarks/mesh_convergence.json and not done again; tables (.md) and a figure
-(.png) are made from it.
+sheet, at 0.002 /mm (before contact), 0.015 and 0.025 /mm. One knob at a time is turned to twice and
+half the size, the others stay at their default; at the end all of them together. What is done is
+kept in results/reference/benchmarks/mesh_convergence.json and not done again; tables (.md) and a
+figure (.png) are made from it.
 
-A knob is refined twice, by the same factor r. From the values at its three levels follow the
-observed rate p = log(d1 / d2) / log r of the differences d1, d2, where both have one sign, and for
-p > 0.8 the Richardson limit; the error of the default is its distance from there, else from the
-finest.
+From the values at the three sizes follow the observed rate p = log2(d1 / d2) of the differences d1,
+d2, where both have one sign, and for p > 0.8 the Richardson limit; the error of the default is its
+distance from there, else from the finest.
 """
 
 from __future__ import annotations
@@ -35,37 +34,38 @@ CURVATURES = (0.002, 0.006, 0.009, 0.012, 0.015, 0.02, 0.025)
 SHOWN = (0.002, 0.015, 0.025)
 STORE = Path(__file__).parents[1] / "results" / "reference" / "benchmarks" / "mesh_convergence.json"
 
-M, C = fs.MeshOptions(), fs.ContactOptions()
-#: Knob -> refinement factor, and the levels beyond the default.
-KNOBS: dict[str, tuple[float, list[tuple[fs.MeshOptions, fs.ContactOptions]]]] = {
-    "across": (2.0, [(replace(M, across=4), C), (replace(M, across=8), C)]),
-    "along": (2.0, [(replace(M, along=0.4), C), (replace(M, along=0.2), C)]),
-    "corner": (2.0, [(replace(M, corner=0.125), C), (replace(M, corner=0.0625), C)]),
-    "scale layers": (
-        2.0,
-        [
-            (replace(M, scale_layers=6, layer_growth=3.0**0.5), C),
-            (replace(M, scale_layers=12, layer_growth=3.0**0.25), C),
-        ],
+M, C, S = fs.MeshOptions(), fs.ContactOptions(), fs.ScaleOptions()
+Options = tuple[fs.MeshOptions, fs.ContactOptions, fs.ScaleOptions]
+#: Knob -> options with elements twice as large, and half as large, in that respect.
+KNOBS: dict[str, tuple[Options, Options]] = {
+    "across": tuple(
+        (replace(M, across=n, across_grading=g), C, S) for n, g in ((2, 2.56), (8, 1.265))
+    ),
+    "along": tuple((replace(M, along=h), C, S) for h in (1.6, 0.4)),
+    "corner": tuple(
+        (replace(M, corner=h, growth=g), C, S) for h, g in ((0.25, 4.0), (0.0625, 1.414))
+    ),
+    "scale layers": tuple(
+        (replace(M, scale_layers=n, layer_growth=g), C, S) for n, g in ((3, 2.66), (9, 1.386))
     ),
     "scale base": (
-        2.0,
-        [
-            (replace(M, scale_corner=0.45, scale_rim=0.225, scale_size=1.7, scale_strips=2), C),
-        ],
+        (replace(M, scale_corner=1.8, scale_rim=0.4, scale_size=6.8, scale_strips=2), C, S),
+        (replace(M, scale_corner=0.45, scale_rim=0.1, scale_size=1.7, scale_strips=5), C, S),
     ),
-    "d_hat": (2.0, [(M, replace(C, activation=0.0025)), (M, replace(C, activation=0.00125))]),
-    "all": (2.0, [(M.finer(2.0), replace(C, activation=0.0025))]),
+    "modes": tuple((M, C, fs.ScaleOptions(cutoff=c)) for c in (1e-2, 2.5e-3)),
+    "d_hat": tuple((M, replace(C, activation=d), S) for d in (0.01, 0.0025)),
+    "all": ((M.finer(0.5), C, S), (M.finer(2.0), replace(C, activation=0.0025), S)),
 }
 
 Store = dict[str, dict]
 
 
-def cases(pattern: str) -> list[tuple[str, fs.MeshOptions, fs.ContactOptions]]:
+def cases(pattern: str) -> list[tuple[str, Options]]:
     """Names and options of all runs of one pattern, the default first."""
-    found = [(f"{pattern}: default", M, C)]
-    for knob, (_, levels) in KNOBS.items():
-        found += [(f"{pattern}: {knob} {k}", *level) for k, level in enumerate(levels, start=1)]
+    found = [(f"{pattern}: default", (M, C, S))]
+    for knob, levels in KNOBS.items():
+        for which, options in zip(("coarse", "fine"), levels, strict=True):
+            found.append((f"{pattern}: {knob} {which}", options))
     return found
 
 
@@ -78,10 +78,11 @@ def lines_of(pattern: fs.Pattern) -> list[Line]:
     return [Line(side, d, CURVATURES) for side in ("closing", "opening") for d in directions]
 
 
-def run(name: str, pattern: fs.Pattern, mesh: fs.MeshOptions, contact: fs.ContactOptions) -> dict:
+def run(name: str, pattern: fs.Pattern, options: Options) -> dict:
     """Energies and moments of all lines on one mesh."""
     start = time.perf_counter()
-    problem = CellProblem.from_pattern(pattern, mesh, contact=contact)
+    mesh, contact, scales = options
+    problem = CellProblem.from_pattern(pattern, mesh, contact=contact, scales=scales)
     found: dict = {"unknowns": len(problem.active)}
     for line in lines_of(pattern):
         for sample in follow_line(problem, line, SolverOptions()):
@@ -94,16 +95,24 @@ def run(name: str, pattern: fs.Pattern, mesh: fs.MeshOptions, contact: fs.Contac
     return found
 
 
-def limit(values: list[float], factor: float) -> tuple[float, float]:
-    """Observed rate and Richardson limit of values at up to three levels; nan without a rate."""
-    if len(values) == 3:
-        first, second = values[0] - values[1], values[1] - values[2]
-        if first * second > 0.0 and abs(first) > abs(second):
-            rate = float(np.log(first / second) / np.log(factor))
-            # A slower rate is no rate yet: its limit would be a guess far beyond the values.
-            end = values[2] - second / (first / second - 1.0) if rate > 0.8 else values[2]
-            return rate, end
+def limit(values: list[float]) -> tuple[float, float]:
+    """Observed rate and Richardson limit of values at three sizes; without a rate nan, the last."""
+    first, second = values[0] - values[1], values[1] - values[2]
+    if first * second > 0.0 and abs(first) > abs(second):
+        rate = float(np.log2(first / second))
+        # A slower rate is no rate yet: its limit would be a guess far beyond the values.
+        end = values[2] - second / (first / second - 1.0) if rate > 0.8 else values[2]
+        return rate, end
     return float("nan"), values[-1]
+
+
+def levels_of(store: Store, pattern: str, knob: str, sample: str, which: int) -> list | None:
+    """Energy (0) or moment (1) on the coarse, default and fine level; None if not all are there."""
+    names = [f"{pattern}: {knob} coarse", f"{pattern}: default", f"{pattern}: {knob} fine"]
+    if not all(name in store for name in names):
+        return None
+    values = [store[name][sample][which] for name in names]
+    return None if None in values else values
 
 
 def tables(store: Store) -> list[str]:
@@ -113,18 +122,22 @@ def tables(store: Store) -> list[str]:
         base = store.get(f"{pattern}: default")
         if base is None:
             continue
-        rows += [f"## {pattern}", "", "Moments; error of the default against the knob's limit.", ""]
-        knobs = [k for k in KNOBS if f"{pattern}: {k} 1" in store]
-        rows.append("| sample | M, N | " + " | ".join(f"{k}: error (rate)" for k in knobs) + " |")
-        rows.append("|---" * (len(knobs) + 2) + "|")
-        for sample in (key for key in base if key not in ("unknowns", "seconds")):
-            cells = [sample, _moment(base[sample])]
-            for knob in knobs:
-                factor, levels = KNOBS[knob]
-                names = [f"{pattern}: {knob} {k}" for k in range(1, len(levels) + 1)]
-                found = [store[n][sample][1] for n in names if n in store]
-                cells.append(_error([base[sample][1], *found], factor))
-            rows.append("| " + " | ".join(cells) + " |")
+        knobs = [k for k in KNOBS if f"{pattern}: {k} fine" in store]
+        samples = [key for key in base if key not in ("unknowns", "seconds")]
+        for which, name in ((1, "Moments, N"), (0, "Energy densities, N/mm")):
+            rows += [
+                f"## {pattern}: {name}",
+                "",
+                "Error of the default against the knob's limit.",
+                "",
+            ]
+            rows.append("| sample | default | " + " | ".join(f"{k} (rate)" for k in knobs) + " |")
+            rows.append("|---" * (len(knobs) + 2) + "|")
+            for sample in samples:
+                cells = [sample, _value(base[sample], which)]
+                cells += [_error(levels_of(store, pattern, k, sample, which)) for k in knobs]
+                rows.append("| " + " | ".join(cells) + " |")
+            rows.append("")
         rows += ["", "| run | unknowns | s |", "|---|---|---|"]
         rows += [
             f"| {name.split(': ')[1]} | {entry['unknowns']} | {entry['seconds']} |"
@@ -135,18 +148,17 @@ def tables(store: Store) -> list[str]:
     return rows
 
 
-def _moment(entry: list) -> str:
+def _value(entry: list, which: int) -> str:
     touching = " (in contact)" if entry[2] else ""
-    return "not converged" if entry[3] else f"{entry[1]:.4g}{touching}"
+    return "not converged" if entry[3] else f"{entry[which]:.4g}{touching}"
 
 
-def _error(values: list[float | None], factor: float) -> str:
-    if None in values:
-        return "not converged"
-    numbers = [float(value) for value in values if value is not None]
-    rate, end = limit(numbers, factor)
+def _error(values: list[float] | None) -> str:
+    if values is None:
+        return "-"
+    rate, end = limit(values)
     shown = "" if np.isnan(rate) else f" ({rate:.1f})"
-    return f"{100.0 * (numbers[0] / end - 1.0):+.2f} %{shown}"
+    return f"{100.0 * (values[1] / end - 1.0):+.2f} %{shown}"
 
 
 def draw(store: Store, path: Path) -> None:
@@ -157,19 +169,16 @@ def draw(store: Store, path: Path) -> None:
         sharey=True, layout="constrained",
     )  # fmt: skip
     for row, pattern in zip(axes, done, strict=True):
-        for panel, (knob, (factor, levels)) in zip(row, KNOBS.items(), strict=True):
-            names = [f"{pattern}: default"]
-            names += [f"{pattern}: {knob} {k}" for k in range(1, len(levels) + 1)]
-            entries = [store[n] for n in names if n in store]
-            for sample in (key for key in entries[0] if key not in ("unknowns", "seconds")):
-                values = [entry[sample][1] for entry in entries]
-                if len(values) < 2 or None in values:
+        for panel, knob in zip(row, KNOBS, strict=True):
+            base = store[f"{pattern}: default"]
+            for sample in (key for key in base if key not in ("unknowns", "seconds")):
+                values = levels_of(store, pattern, knob, sample, 1)
+                if values is None:
                     continue
-                errors = 100.0 * (np.array(values) / limit(values, factor)[1] - 1.0)
-                size = factor ** -np.arange(len(values))
+                errors = 100.0 * (np.array(values) / limit(values)[1] - 1.0)
                 style = "-" if sample.startswith("closing") else "--"
                 color = {"0.002": "C0", "0.015": "C1", "0.025": "C3"}[sample.split()[-1]]
-                panel.plot(size, errors, style, color=color, marker=".", linewidth=0.8)
+                panel.plot((2.0, 1.0, 0.5), errors, style, color=color, marker=".", linewidth=0.8)
             panel.set_title(f"{pattern}: {knob}", fontsize=8)
             panel.set_xscale("log", base=2)
             panel.grid(alpha=0.3)
@@ -192,9 +201,9 @@ def main() -> None:
     store: Store = json.loads(STORE.read_text()) if STORE.exists() else {}
     for name in arguments.patterns if not arguments.only_report else ():
         pattern = fs.named_pattern(name)
-        for case, mesh, contact in cases(name):
+        for case, options in cases(name):
             if case not in store:
-                store[case] = run(case, pattern, mesh, contact)
+                store[case] = run(case, pattern, options)
                 STORE.write_text(json.dumps(store, indent=1) + "\n")
     STORE.with_suffix(".md").write_text("\n".join(tables(store)) + "\n")
     draw(store, STORE.with_suffix(".png"))

@@ -31,6 +31,7 @@ HEAD = (
 def solved_part(sweep: xr.Dataset) -> xr.Dataset:
     """Directions that were solved themselves."""
     own = sweep["symmetry_source"] == sweep["direction"]
+    own = own.all([name for name in own.dims if name != "direction"])
     return sweep.isel(direction=np.flatnonzero(own.values))
 
 

@@ -18,6 +18,7 @@ from flexscale.patterns import Pattern
 if TYPE_CHECKING:
     import xarray as xr
 
+_ORDER = 2.0
 _DIRECTIONS = np.arange(0.0, 180.0, 5.0)
 
 
@@ -26,8 +27,9 @@ def estimate_mesh_error(
 ) -> float:
     """Relative error of the flat cell's bending stiffness in the worst direction, by estimate.
 
-    It is compared with that of elements twice as large. At corners and along the rims of scales
-    errors fall with the size itself, so that what is left is as much as was won by halving it.
+    It is compared with that of elements twice as large. From half to three halves of the default's
+    fineness, errors of squares and hexagons fall as the size to the power 2.4 to 2.7; the second
+    order taken here is on the safe side: what is left is a third of what was won by halving.
 
     Parameters
     ----------
@@ -44,7 +46,7 @@ def estimate_mesh_error(
         return float("nan")
     other = solve_tangent(CellProblem(coarse, without_contact))
     ratio = np.asarray(other.stiffness(_DIRECTIONS)) / np.asarray(tangent.stiffness(_DIRECTIONS))
-    return float(np.abs(ratio - 1.0).max())
+    return float(np.abs(ratio - 1.0).max()) / (2.0**_ORDER - 1.0)
 
 
 def note_mesh_error(dataset: xr.Dataset, error: float) -> None:

@@ -20,7 +20,7 @@ ANGLES = np.arange(0.0, 180.0, 5.0)
 
 @pytest.mark.parametrize("make", [square, hexagon])
 def test_estimate_is_of_the_size_of_the_error(make):
-    """Against a mesh three times as fine: neither hidden nor overstated by more than a factor."""
+    """Against a mesh three times as fine: neither hidden nor overstated by much more than 2."""
     pattern = make()
     problem = CellProblem.from_pattern(pattern, MESH, contact=NO_CONTACT)
     tangent = solve_tangent(problem)
@@ -28,7 +28,7 @@ def test_estimate_is_of_the_size_of_the_error(make):
     limit = solve_tangent(fine).stiffness(ANGLES)
     error = float(np.abs(tangent.stiffness(ANGLES) / limit - 1.0).max())
     estimate = estimate_mesh_error(pattern, MESH, problem.model, tangent)
-    assert 0.5 * error < estimate < 5.0 * error
+    assert 0.4 * error < estimate < 3.0 * error, (estimate, error)
 
 
 def test_no_larger_elements_no_estimate():

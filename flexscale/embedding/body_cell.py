@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexscale.embedding.bodies import Body
+from flexscale.embedding.bodies import N_FRAME, Body
 from flexscale.embedding.body_map import BodyMap
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
@@ -66,6 +66,6 @@ class BodyCell:
         for k, (body, unknowns) in enumerate(
             zip(self.world_map.bodies, self.world_map.split(z), strict=True)
         ):
-            places = body.vertex_arms + body.shapes @ unknowns[12:]
+            places = body.vertex_arms + body.shapes @ unknowns[N_FRAME:]
             out[body.vertices] = frames[4 * k] + places @ frames[4 * k + 1 : 4 * k + 4]
         return out

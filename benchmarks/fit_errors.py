@@ -26,7 +26,7 @@ from numba import njit
 from report import report
 
 import flexscale as fs
-from flexscale.datasets.schema import ASSESSMENTS, STATISTICS
+from flexscale.datasets.variables import ASSESSMENTS, STATISTICS
 from flexscale.macro.tensor_law import law
 
 LOW, HIGH = 0.004, 0.01  # mm-1

@@ -14,14 +14,14 @@ import flexscale.datasets.accessor  # noqa: F401  (registers `dataset.fs`)
 from flexscale.datasets.fit_values import PARAMETERS
 from flexscale.datasets.identity import Recipe, plain
 from flexscale.datasets.provenance import code_version
-from flexscale.datasets.schema import (
+from flexscale.datasets.schema import schema_of
+from flexscale.datasets.variables import (
     ASSESSMENTS,
     COMPONENTS,
     SIDES,
     STATISTICS,
     Schema,
     Variable,
-    schema_of,
 )
 from flexscale.errors import SchemaError, UnknownNameError, suggest
 from flexscale.status import SolveStatus
@@ -53,7 +53,7 @@ def build_sweep_dataset(
         `min_gap`; they become 0, 0, 0 and nan. Without `symmetry_source` every direction was
         computed itself.
         Real values are set to nan wherever `status` is not 0.
-    scalars : "family", "pattern" and what is known of `schema.SCALARS`.
+    scalars : "family", "pattern" and what is known of `variables.SCALARS`.
     config : resolved configuration, JSON-able, enough to compute the sweep again.
     recipe : defaults to step "sweep" with `config` as its parameters.
     """

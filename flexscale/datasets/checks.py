@@ -11,7 +11,8 @@ import xarray as xr
 from flexscale.datasets.build import directional_stiffness
 from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_parameters
 from flexscale.datasets.identity import SHORT_DIGEST
-from flexscale.datasets.schema import ENERGY_PARTS, SIDES, VARIANTS, Schema, Variable, schema_of
+from flexscale.datasets.schema import ENERGY_PARTS, schema_of
+from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 from flexscale.status import SolveStatus
 

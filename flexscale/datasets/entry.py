@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.identity import SHORT_DIGEST
-from flexscale.datasets.schema import SCALARS
+from flexscale.datasets.variables import SCALARS
 from flexscale.errors import IntegrityError
 
 DATA_FILE = "data.nc"

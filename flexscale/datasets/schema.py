@@ -6,98 +6,11 @@ would notice raises the kind's version.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from flexscale.datasets.variables import Schema, Variable
 from flexscale.errors import UnknownNameError, suggest
 from flexscale.status import FLAG_MEANINGS, SolveStatus
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-SIDES = ("closing", "opening")
-COMPONENTS = ("xx", "yy", "xy")
-#: Energies of a curvature tensor by name; a fit is for one of them.
-VARIANTS = ("tangent", "paper")
-#: What the errors of a fit were measured on, and how they were summed up.
-ASSESSMENTS = ("law", "model", "held_out_curvature", "held_out_direction")
-STATISTICS = ("median", "percentile_95", "worst")
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One variable: `dtype` is "float64", "int32", "int8" or "text".
-
-    `units` is "" for text, and for values whose units differ along a dimension; their `comment`
-    then names the coordinate that holds the units.
-    """
-
-    name: str
-    dims: tuple[str, ...]
-    dtype: str
-    units: str
-    long_name: str
-    optional: bool = False
-    attrs: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Schema:
-    """Coordinates, data variables and scalar coordinates of one kind of dataset."""
-
-    kind: str
-    version: int
-    title: str
-    coordinates: tuple[Variable, ...]
-    variables: tuple[Variable, ...]
-
-    @property
-    def name(self) -> str:
-        """For instance "sweep/1"."""
-        return f"{self.kind}/{self.version}"
-
-    @property
-    def all(self) -> dict[str, Variable]:
-        """Every variable by name, the scalar coordinates common to all kinds included."""
-        return {item.name: item for item in (*SCALARS, *self.coordinates, *self.variables)}
-
-
-def schema_of(kind: str) -> Schema:
-    """Table of a kind; UnknownNameError with the closest names for an unknown one."""
-    if kind not in SCHEMAS:
-        raise UnknownNameError(f"There is no dataset kind {kind!r}. {suggest(kind, SCHEMAS)}")
-    return SCHEMAS[kind]
-
-
-def derive(values: xr.DataArray, name: str, units: str, long_name: str) -> xr.DataArray:
-    """Name a computed array and give it its own attributes.
-
-    Needed since arithmetic keeps the wrong ones: m**2 and m/m still say "N".
-    """
-    result = values.rename(name)
-    result.attrs = {"units": units, "long_name": long_name}
-    return result
-
-
-def _scalar(name: str, units: str, long_name: str) -> Variable:
-    return Variable(name, (), "float64", units, long_name, optional=True)
-
-
-#: Scalar coordinates, so that stacked data stay labelled; they are columns of the catalog.
-SCALARS: tuple[Variable, ...] = (
-    Variable("family", (), "text", "", "isohedral family, or custom"),
-    Variable("pattern", (), "text", "", "name of the scale pattern"),
-    _scalar("gap", "mm", "width of the gap between scales"),
-    _scalar("tile_area", "mm2", "area of a tile"),
-    _scalar("scale_height", "mm", "height of the scales"),
-    _scalar("substrate_thickness", "mm", "thickness of the substrate"),
-    _scalar("scale_young_modulus", "MPa", "Young's modulus of the scales"),
-    _scalar("scale_poisson_ratio", "1", "Poisson's ratio of the scales"),
-    _scalar("substrate_young_modulus", "MPa", "Young's modulus of the substrate"),
-    _scalar("substrate_poisson_ratio", "1", "Poisson's ratio of the substrate"),
-    _scalar("mesh_size", "mm", "element size across the gap"),
-)
 
 _DIRECTION = Variable("direction", ("direction",), "float64", "degree", "bending direction")
 _SAMPLE = ("side", "direction", "curvature")
@@ -382,3 +295,10 @@ FIT = Schema(
 )
 
 SCHEMAS: dict[str, Schema] = {item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE, FIT)}
+
+
+def schema_of(kind: str) -> Schema:
+    """Table of a kind; UnknownNameError with the closest names for an unknown one."""
+    if kind not in SCHEMAS:
+        raise UnknownNameError(f"There is no dataset kind {kind!r}. {suggest(kind, SCHEMAS)}")
+    return SCHEMAS[kind]

@@ -27,8 +27,9 @@ from flexscale.datasets.files import (
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe, content_digest, plain
 from flexscale.datasets.locks import STAGING, working_folder
 from flexscale.datasets.provenance import environment
-from flexscale.datasets.schema import SCALARS, SCHEMAS, schema_of
+from flexscale.datasets.schema import SCHEMAS, schema_of
 from flexscale.datasets.staging import FileCheckpoint, sync
+from flexscale.datasets.variables import SCALARS
 from flexscale.errors import DatasetError, NonReproducibleError, SchemaError
 from flexscale.status import SolveStatus
 

@@ -7,7 +7,7 @@ from flexscale.patterns import Pattern
 
 
 def pattern_scalars(pattern: Pattern, mesh: MeshOptions) -> dict[str, float | str]:
-    """Scalar coordinates of a pattern's datasets, in the units of `datasets.schema.SCALARS`."""
+    """Scalar coordinates of a pattern's datasets, in the units of `datasets.variables.SCALARS`."""
     return {
         "family": pattern.family,
         "pattern": pattern.name,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.schema import ASSESSMENTS, STATISTICS
+from flexscale.datasets.variables import ASSESSMENTS, STATISTICS
 from flexscale.macro.flat_response import FlatResponse
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions
 from flexscale.macro.refine import fit_refined

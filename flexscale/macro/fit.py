@@ -7,7 +7,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.schema import SCALARS, VARIANTS
+from flexscale.datasets.variables import SCALARS, VARIANTS
 from flexscale.errors import BadInputError, UnknownNameError, suggest
 from flexscale.macro.assessment import assess
 from flexscale.macro.biaxial import choose_w_biaxial

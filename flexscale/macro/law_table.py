@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.schema import SIDES
+from flexscale.datasets.variables import SIDES
 from flexscale.macro.directional_law import INVERSE_ONSET, NO_ONSET, ONSET
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.polar import PolarLaw, Variant

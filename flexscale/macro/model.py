@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.schema import SIDES
+from flexscale.datasets.variables import SIDES
 from flexscale.errors import BadInputError, UnitRangeError, UnknownNameError, suggest
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.law_table import build_law_table

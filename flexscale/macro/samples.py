@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.schema import SIDES
+from flexscale.datasets.variables import SIDES
 from flexscale.errors import BadInputError, SchemaError
 from flexscale.macro.harmonics import harmonic_matrix
 from flexscale.macro.uniaxial import Line

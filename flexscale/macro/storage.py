@@ -9,7 +9,8 @@ import numpy as np
 
 from flexscale.datasets.build import build_fit_dataset
 from flexscale.datasets.fit_values import PARAMETERS, FloatArray
-from flexscale.datasets.schema import SCALARS, schema_of
+from flexscale.datasets.schema import schema_of
+from flexscale.datasets.variables import SCALARS
 from flexscale.errors import SchemaError
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.harmonics import Harmonics

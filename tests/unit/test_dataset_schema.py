@@ -8,7 +8,8 @@ import xarray as xr
 
 from flexscale.datasets.build import build_sweep_dataset, build_tangent_dataset
 from flexscale.datasets.checks import check_dataset
-from flexscale.datasets.schema import SCHEMAS, derive
+from flexscale.datasets.schema import SCHEMAS
+from flexscale.datasets.variables import derive
 from flexscale.errors import MissingDataError, SchemaError, UnknownNameError
 from tests.unit.dataset_samples import SCALARS, cell, shape, sweep, sweep_arrays
 

@@ -77,3 +77,10 @@ class ConstrainedSystem:
         schur = self._schur - np.diag([0.0, compliance])
         t, mu = np.linalg.solve(schur, np.array([0.0, target]) - self._borders.T @ free)
         return free - self._columns @ np.array([t, mu]), float(mu)
+
+    def solve_block(self, right_hand_sides: FloatArray, compliance: float = 0.0) -> FloatArray:
+        """Solve H dz + c mu = r, c.dz - compliance mu = 0 for (n, k) right-hand sides, without
+        iterative refinement; returns dz (n, k)."""
+        free = self.factorization.solve(right_hand_sides, refine=False)
+        schur = self._schur - np.diag([0.0, compliance])
+        return free - self._columns @ np.linalg.solve(schur, -self._borders.T @ free)

@@ -8,6 +8,7 @@ choice.
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from typing import Any, Protocol
@@ -16,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
-from flexscale.errors import MissingSystemPartError, UnknownNameError, suggest
+from flexscale.errors import FlexScaleError, MissingSystemPartError, UnknownNameError, suggest
 from flexscale.mechanics.energy import FloatArray, IntArray
 
 ENVIRONMENT_VARIABLE = "FLEXSCALE_LINEAR_SOLVER"
@@ -30,8 +31,8 @@ class Factorization(Protocol):
     def factorize(self, values: FloatArray) -> int:
         """Factorize; returns the number of negative eigenvalues (-1: singular to rounding)."""
 
-    def solve(self, right_hand_sides: FloatArray) -> FloatArray:
-        """Solve for (n, k) right-hand sides with the last factorization."""
+    def solve(self, right_hand_sides: FloatArray, refine: bool = True) -> FloatArray:
+        """Solve for (n, k) right-hand sides with the last factorization; `refine` once."""
 
 
 class PardisoFactorization:
@@ -54,27 +55,49 @@ class PardisoFactorization:
         # Found by walking the whole environment, 80 ms each time: once is enough.
         os.environ.setdefault("PYPARDISO_MKL_RT", self._solver.libmkl._name)
         self._solver.libmkl.MKL_Set_Num_Threads(1)
-        settings = {1: 1, 2: 2, 8: 1, 10: 10, 11: 0, 13: 0, 21: 1, 24: 0, 25: 0, 34: 1}
+        settings = {1: 1, 2: 2, 8: 1, 10: 10, 11: 0, 13: 0, 21: 1, 24: 0, 25: 0, 34: 1, 35: 1}
         for number, value in settings.items():
             self._solver.set_iparm(number, value)
-        self._matrix = sp.csr_array(
-            (np.zeros(len(indices)), indices.astype(np.int32), indptr.astype(np.int32)),
-            shape=(n, n),
+        self._values = np.zeros(len(indices))
+        self._n, self._indptr, self._indices = (
+            n,
+            np.ascontiguousarray(indptr, dtype=np.int32),
+            np.ascontiguousarray(indices, dtype=np.int32),
         )
-        self._call(11, np.zeros((n, 1), order="F"))
+        self._nothing = np.zeros((n, 1), order="F")
+        self._call(11, self._nothing)
 
     def _call(self, phase: int, right_hand_sides: FloatArray) -> FloatArray:
-        self._solver.set_phase(phase)
-        return np.asarray(self._solver._call_pardiso(self._matrix, right_hand_sides))
+        # The wrapper's own call copies the pattern each time, longer than a solution takes.
+        solver, number = self._solver, ctypes.c_int32
+        solution, error = np.zeros_like(right_hand_sides), number(0)
+        solver._mkl_pardiso(
+            _address(solver.pt, solver._pt_type[0]),
+            *(ctypes.byref(number(k)) for k in (1, 1, solver.mtype, phase, self._n)),
+            _address(self._values, ctypes.c_double),
+            _address(self._indptr, number),
+            _address(self._indices, number),
+            _address(solver.perm, number),
+            ctypes.byref(number(right_hand_sides.shape[1])),
+            _address(solver.iparm, number),
+            ctypes.byref(number(0)),
+            _address(right_hand_sides, ctypes.c_double),
+            _address(solution, ctypes.c_double),
+            ctypes.byref(error),
+        )
+        if error.value != 0:
+            raise FlexScaleError(f"PARDISO stopped with its error {error.value} in phase {phase}.")
+        return solution
 
     def factorize(self, values: FloatArray) -> int:
         """Numerical factorization on the analyzed pattern."""
-        self._matrix.data[:] = values
-        self._call(22, np.zeros((self._matrix.shape[0], 1), order="F"))
+        self._values[:] = values
+        self._call(22, self._nothing)
         return int(self._solver.get_iparm(23))
 
-    def solve(self, right_hand_sides: FloatArray) -> FloatArray:
-        """Back-substitution with one step of iterative refinement."""
+    def solve(self, right_hand_sides: FloatArray, refine: bool = True) -> FloatArray:
+        """Back-substitution with or without one step of iterative refinement."""
+        self._solver.set_iparm(8, int(refine))
         return self._call(33, np.asfortranarray(right_hand_sides, dtype=float))
 
     def __del__(self) -> None:
@@ -113,10 +136,16 @@ class SuperLuFactorization:
             return -1
         return int(np.count_nonzero(self._lu.U.diagonal() < 0.0))
 
-    def solve(self, right_hand_sides: FloatArray) -> FloatArray:
-        """Back-substitution with one step of iterative refinement."""
+    def solve(self, right_hand_sides: FloatArray, refine: bool = True) -> FloatArray:
+        """Back-substitution with or without one step of iterative refinement."""
         x = self._lu.solve(np.asarray(right_hand_sides))
+        if not refine:
+            return np.asarray(x)
         return x + self._lu.solve(right_hand_sides - self._matrix @ x)
+
+
+def _address(array: np.ndarray, kind: Any) -> Any:
+    return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
 _BACKENDS: dict[str, type[PardisoFactorization] | type[SuperLuFactorization]] = {

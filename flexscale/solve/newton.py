@@ -2,11 +2,10 @@
 
 Each iteration factorizes the Hessian as it is. Only if it has negative eigenvalues on the
 constraint is it changed, for the search direction alone: contact is replaced by its positive part,
-and modes that still curve downward are turned over (the saddle-free Newton step of Dauphin et al.
-2014, exact in the modes that matter, since the inertia tells how many there are). Where these are
-too many or not to be found, all elements are replaced by their positive parts, and damped on the
-diagonal until positive. A stationary point with negative eigenvalues is a saddle: it is left along
-its most negative mode.
+and modes that still curve downward are turned over (see `negative_modes`; the inertia tells how
+many there are). Where these are too many or not to be found, all elements are replaced by their
+positive parts, and damped on the diagonal until positive. A stationary point with negative
+eigenvalues is a saddle: it is left along the mode whose eigenvalue is nearest to zero.
 """
 
 from __future__ import annotations
@@ -225,9 +224,9 @@ def _direction(
             downward = system.factorize(projected)
     if 0 < downward <= MOST_MODES:
         step, mu = system.solve(-gradient, target, compliance)
-        curvatures, modes = negative_modes(system, downward, compliance)
-        if len(curvatures) == downward:
-            return step + modes @ (2.0 * (modes.T @ gradient) / curvatures), mu, negative, False
+        modes = negative_modes(system, downward, compliance)
+        if len(modes) == downward:
+            return modes.turn_over(step, gradient), mu, negative, False
     if downward > 0:
         _factorize_positive(problem, evaluation)
     step, mu = system.solve(-gradient, target, compliance)
@@ -276,12 +275,13 @@ def _search(
 def _leave_saddle(
     problem: Objective, evaluation: Any, z: FloatArray, scale: float
 ) -> tuple[FloatArray, Any]:
-    """Step along the most negative mode until the energy is lower than at the saddle."""
+    """Step along the mode nearest below zero until the energy is lower than at the saddle."""
     problem.system.factorize(problem.hessian_values(evaluation))
-    curvatures, modes = negative_modes(problem.system, 1)
-    if not len(curvatures):
+    modes = negative_modes(problem.system, 1)
+    if not len(modes):
         return z, evaluation
-    mode, stiffness = modes[:, 0], float(curvatures[0])
+    mode = modes.directions[:, 0] / np.linalg.norm(modes.directions[:, 0])
+    stiffness = float(modes.curvatures[0])
     length = np.sqrt(1e-4 * scale / -stiffness)
     best = (z, evaluation)
     for _ in range(12):

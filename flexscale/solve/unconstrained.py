@@ -41,3 +41,7 @@ class UnconstrainedSystem:
     ) -> tuple[FloatArray, float]:
         """Solve H dz = r; returns dz (n,) and 0, there being no multiplier."""
         return self.factorization.solve(right_hand_side[:, None])[:, 0], 0.0
+
+    def solve_block(self, right_hand_sides: FloatArray, compliance: float = 0.0) -> FloatArray:
+        """(n, k) solutions without iterative refinement; compliance is of no effect."""
+        return self.factorization.solve(right_hand_sides, refine=False)

@@ -22,9 +22,9 @@ from flexscale.mechanics.hct import N_DOFS, QUADRATURE_POINTS, hct_derivatives, 
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.shell_forms import (
     add_point_forces,
-    add_point_rows,
+    fill_point,
     forms,
-    store_rows,
+    store_blocks,
     vector_gradient,
     vector_hessian,
 )
@@ -63,18 +63,18 @@ def _gradient(y, vectors, derivatives, weights, grads, out):
 def _hessian(y, vectors, derivatives, weights, grads, hessians, out):
     v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
     e, b = np.empty(3), np.empty(3)
-    p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 9))
-    half = np.empty((5, 108))
-    rows = np.empty((12, 108))
+    p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 6))
+    n_points = weights.shape[1]
+    half, work = np.empty((n_points, 5, 6, 12)), np.empty((9, 3))
     for t in range(len(vectors)):
-        rows[:] = 0.0
         for q in range(weights.shape[1]):
             n = derivatives[t, q]
             forms(y, vectors[t], n, v, normal, dual, e, b)
             vector_gradient(v, normal, dual, grads[t, q], p, christoffel)
-            vector_hessian(v, normal, dual, b, grads[t, q], hessians[t, q], christoffel, h)
-            add_point_rows(n, weights[t, q], h, half, rows)
-        store_rows(rows, out[t])
+            vector_hessian(v, normal, dual, b, grads[t, q], hessians[t, q], christoffel, h, work)
+            fill_point(n, weights[t, q], h, half[q])
+        points = derivatives[t].reshape(5 * n_points, 12)
+        store_blocks(points, half.reshape(5 * n_points, 72), out[t])
 
 
 class SheetShell:

@@ -16,6 +16,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+#: Entries of a 3 x 3 block that are computed; the other three are those of the transposed block.
+ROWS, COLUMNS = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
+
 
 @njit(cache=True)
 def forms(y, vectors, derivatives, v, normal, dual, e, b):
@@ -75,79 +78,89 @@ def vector_gradient(v, normal, dual, grad, p, christoffel):
 
 
 @njit(cache=True)
-def vector_hessian(v, normal, dual, b, grad, hess, christoffel, h):
-    """Fill h (5, 5, 9): d2psi/d(vectors)2, blocks row by row."""
-    # First derivatives of s with respect to the five vectors: (6, 5, 3).
-    d = np.zeros((6, 5, 3))
-    for c in range(3):
-        d[0, 0, c] = 2.0 * v[0, c]
-        d[1, 0, c] = v[1, c]
-        d[1, 1, c] = v[0, c]
-        d[2, 1, c] = 2.0 * v[1, c]
-        for k in range(3):
-            d[3 + k, 0, c] = -christoffel[k, 0] * normal[c]
-            d[3 + k, 1, c] = -christoffel[k, 1] * normal[c]
-            d[3 + k, 2 + k, c] = normal[c]
-    hd = np.zeros((6, 5, 3))
-    for s in range(6):
-        for r in range(6):
-            for a in range(5):
-                for c in range(3):
-                    hd[s, a, c] += hess[s, r] * d[r, a, c]
-    h[:] = 0.0
-    for a in range(5):
-        for f in range(5):
-            for s in range(6):
-                for r in range(3):
-                    if d[s, a, r] != 0.0:
-                        for c in range(3):
-                            h[a, f, 3 * r + c] += d[s, a, r] * hd[s, f, c]
+def _outer(x, y, factor, out):
+    """Add factor x (x) y to out (3, 3)."""
     for r in range(3):
-        h[0, 0, 4 * r] += 2.0 * grad[0]
-        h[0, 1, 4 * r] += grad[1]
-        h[1, 0, 4 * r] += grad[1]
-        h[1, 1, 4 * r] += 2.0 * grad[2]
-    for k in range(3):
-        m = grad[3 + k]
-        for g in range(2):
+        for c in range(3):
+            out[r, c] += factor * x[r] * y[c]
+
+
+@njit(cache=True)
+def _tangent_blocks(v, normal, dual, b, grad, hess, christoffel, h, work):
+    """Fill the parts of h among x_u, x_v, and between them and the second derivatives."""
+    pull, block = work[:6], work[6:]
+    for f in range(2):
+        # Rows: hess applied to ds/dx_f, of the six components of s.
+        own, other = v[f], v[1 - f]
+        for s in range(6):
+            turned = 0.0
+            for k in range(3):
+                turned += hess[s, 3 + k] * christoffel[k, f]
+            for c in range(3):
+                pull[s, c] = (
+                    2.0 * hess[s, 2 * f] * own[c] + hess[s, 1] * other[c] - turned * normal[c]
+                )
+        for k in range(3):
+            m = grad[3 + k]
+            for i in range(6):
+                r, c = ROWS[i], COLUMNS[i]
+                h[f, 2 + k, i] = pull[3 + k, r] * normal[c] - m * normal[r] * dual[f, c]
+                h[2 + k, f, i] = normal[r] * pull[3 + k, c] - m * dual[f, r] * normal[c]
+        for g in range(f + 1):
+            block[:] = 0.0
+            _outer(v[g], pull[2 * g], 2.0, block)
+            _outer(v[1 - g], pull[1], 1.0, block)
+            bent = 0.0
+            metric = dual[g, 0] * dual[f, 0] + dual[g, 1] * dual[f, 1] + dual[g, 2] * dual[f, 2]
+            for k in range(3):
+                m = grad[3 + k]
+                _outer(normal, pull[3 + k], -christoffel[k, g], block)
+                _outer(normal, dual[g], m * christoffel[k, f], block)
+                _outer(dual[f], normal, m * christoffel[k, g], block)
+                bent += m * b[k]
+            _outer(normal, normal, -metric * bent, block)
             for r in range(3):
-                for c in range(3):
-                    h[2 + k, g, 3 * r + c] -= m * dual[g, r] * normal[c]
-                    h[g, 2 + k, 3 * c + r] -= m * dual[g, r] * normal[c]
-            for f in range(2):
-                metric = dual[g, 0] * dual[f, 0] + dual[g, 1] * dual[f, 1] + dual[g, 2] * dual[f, 2]
-                for r in range(3):
-                    for c in range(3):
-                        h[g, f, 3 * r + c] += m * (
-                            christoffel[k, f] * normal[r] * dual[g, c]
-                            + christoffel[k, g] * dual[f, r] * normal[c]
-                            - metric * b[k] * normal[r] * normal[c]
-                        )
+                block[r, r] += grad[1] if f != g else 2.0 * grad[2 * g]
+            for i in range(6):
+                h[g, f, i] = block[ROWS[i], COLUMNS[i]]
+                h[f, g, i] = block[COLUMNS[i], ROWS[i]]
 
 
 @njit(cache=True)
-def add_point_rows(n, w, h, half, rows):
-    """Add a point's h (5, 5, 9) to the upper block triangle of an element, rows (12, 108)."""
+def vector_hessian(v, normal, dual, b, grad, hess, christoffel, h, work):
+    """Fill h (5, 5, 6): d2psi/d(vectors)2, entries `ROWS`, `COLUMNS` of every 3 x 3 block.
+
+    The other three are those of the transposed pair. `work` is (9, 3).
+    """
+    _tangent_blocks(v, normal, dual, b, grad, hess, christoffel, h, work)
+    for i in range(6):
+        square = normal[ROWS[i]] * normal[COLUMNS[i]]
+        for k in range(3):
+            for m in range(3):
+                h[2 + k, 2 + m, i] = hess[3 + k, 3 + m] * square
+
+
+@njit(cache=True)
+def fill_point(n, w, h, half):
+    """Fill half (5, 6, 12) with w h (5, 5, 6) times a point's derivatives n (5, 12)."""
     for a in range(5):
-        for j in range(12):
-            for k in range(9):
-                s = 0.0
-                for f in range(5):
-                    s += h[a, f, k] * n[f, j]
-                half[a, 9 * j + k] = w * s
-    for i in range(12):
-        for a in range(5):
-            factor = n[a, i]
-            for k in range(9 * i, 108):
-                rows[i, k] += factor * half[a, k]
+        for i in range(6):
+            h0, h1, h2 = w * h[a, 0, i], w * h[a, 1, i], w * h[a, 2, i]
+            h3, h4 = w * h[a, 3, i], w * h[a, 4, i]
+            for j in range(12):
+                half[a, i, j] = (
+                    h0 * n[0, j] + h1 * n[1, j] + h2 * n[2, j] + h3 * n[3, j] + h4 * n[4, j]
+                )
 
 
 @njit(cache=True)
-def store_rows(rows, out):
-    """Copy rows (12, 108) into the blocks (78, 3, 3) of an element."""
+def store_blocks(derivatives, half, out):
+    """Blocks (78, 3, 3) of an element from all its points: derivatives (n, 12), half (n, 72)."""
+    products = np.dot(derivatives.T, half)
     pair = 0
     for i in range(12):
         for j in range(i, 12):
-            for k in range(9):
-                out[pair, k // 3, k % 3] = rows[i, 9 * j + k]
+            for k in range(6):
+                out[pair, ROWS[k], COLUMNS[k]] = products[i, 12 * k + j]
+                out[pair, COLUMNS[k], ROWS[k]] = products[j, 12 * k + i]
             pair += 1

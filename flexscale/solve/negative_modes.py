@@ -87,7 +87,9 @@ def negative_modes(system: System, count: int, compliance: float = 0.0) -> Negat
         small = basis.T @ images
         values, vectors = np.linalg.eigh(0.5 * (small + small.T))
         found = values[:count][values[:count] < -_ROUNDING * np.abs(values).max()]
-        if len(found) == count == len(before) and np.allclose(found, before, rtol=SETTLED, atol=0.0):
+        if len(found) == count == len(before) and np.allclose(
+            found, before, rtol=SETTLED, atol=0.0
+        ):
             break
         before = found
         for _ in range(2):  # twice is enough (Kahan)

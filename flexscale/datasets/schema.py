@@ -29,6 +29,12 @@ ENERGY_PARTS = tuple(
     f"energy_density_{part}" for part in ("membrane", "bending", "scales", "contact")
 )
 
+_RETURNING = {
+    "comment": "of the equilibrium met on the way back from the next curvature, where the energy "
+    "curved downward on the way there; another value than without `_returning` means that there "
+    "is more than one branch; nan where the way was stable"
+}
+
 STATUS_ATTRS: dict[str, Any] = {
     "flag_values": [int(status) for status in SolveStatus],
     "flag_meanings": FLAG_MEANINGS,
@@ -60,6 +66,13 @@ SWEEP = Schema(
             "N",
             "bending moment per width",
             method="derivative of the energy density by the curvature at fixed unknowns",
+        ),
+        *(
+            Variable(name, _SAMPLE, "float64", units, long_name, optional=True, attrs=_RETURNING)
+            for name, units, long_name in (
+                ("energy_density_returning", "N mm-1", "energy per rest area, bent back"),
+                ("moment_returning", "N", "bending moment per width, bent back"),
+            )
         ),
         Variable(
             "stretch",

@@ -1,9 +1,16 @@
-"""Continuation in curvature: one direction, one side, from flat to the last curvature asked for."""
+"""Continuation in curvature: one direction, one side, from flat to the last curvature asked for.
+
+Where strips of sheet buckle, several equilibria exist. Samples follow the path of a sheet that is
+bent from flat in small steps: a step that takes Newton's method too long is halved, so that one
+branch point is passed at a time. Wherever the energy curved downward on the way to a sample, the
+sheet is also bent back from there to the sample before: energy and moment met on the way back tell
+whether there is more than one branch.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +23,8 @@ from flexscale.status import SolveStatus
 
 SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
-_SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # the smallest that a start with too much energy is met with
+_SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
+_PATIENCE = 10  # iterations after which a step above that is hard
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
 
@@ -92,9 +100,9 @@ def follow_line(
     """Yield the line's samples one after the other, those of `finished` left out.
 
     Each sample is predicted along dz/dkappa, or a parabola, from the one before. A step that fails
-    is halved, and one that starts too far from equilibrium where scales touch already. A sample
-    that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry the
-    state that the next one starts from, so a line taken up again goes on bit for bit.
+    is halved, and so is one that starts too far from equilibrium where scales touch already. A
+    sample that cannot be reached keeps its status, and those behind it are `not_run`. Samples carry
+    the state that the next one starts from, so a line taken up again goes on bit for bit.
 
     Yields
     ------
@@ -103,11 +111,13 @@ def follow_line(
     """
     point = _Point(0.0, problem.embedding.rest, np.zeros(0), np.zeros(0))
     status = SolveStatus.converged
+    stiffness = problem.barrier_stiffness
     _set_barrier(problem, None)
     for sample in finished:
         status = SolveStatus(sample["status"])
         if status == SolveStatus.converged:
             point = _Point(*(sample.get(name, 0) for name in _POINT))
+            stiffness = sample.get("barrier_stiffness", 0.0)
             _set_barrier(problem, sample)
     for curvature in line.curvatures[len(finished) :]:
         if status != SolveStatus.converged:
@@ -116,16 +126,24 @@ def follow_line(
         problem.fit_room(point.z, line.bend(point.curvature))
         if not len(point.rate):
             point, solution = _start(problem, line)
-        iterations = 1
+        before, way = point, _Way(1)
         if curvature > 0.0:
-            point, solution, iterations = _advance(problem, line, point, curvature, options)
+            point, solution, way = _advance(problem, line, point, curvature, options)
         status = solution.status
-        sample = {"curvature": curvature, "status": int(status), "newton_iterations": iterations}
+        sample = {
+            "curvature": curvature,
+            "status": int(status),
+            "newton_iterations": way.iterations,
+        }
         if status == SolveStatus.converged:
             sample |= _measure(problem, line, curvature, solution)
             sample |= {"state": point.z, "rate": point.rate, "second_rate": point.second_rate}
+            if way.unstable and before.curvature > 0.0:
+                _set_stiffness(problem, stiffness)
+                sample |= _bend_back(problem, line, point, before.curvature, options)
         yield sample
         if status == SolveStatus.converged:
+            stiffness = sample.get("barrier_stiffness", 0.0)
             _set_barrier(problem, sample)
 
 
@@ -136,10 +154,16 @@ def _set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:
     """
     if problem.contact is None:
         return
-    problem.contact.stiffness = problem.barrier_stiffness
+    stiffness = problem.barrier_stiffness
     if sample is not None:
         tight = sample["min_gap"] < _TIGHT * problem.contact.activation_distance
-        problem.contact.stiffness = sample["barrier_stiffness"] * (_STIFFEN if tight else 1.0)
+        stiffness = sample["barrier_stiffness"] * (_STIFFEN if tight else 1.0)
+    _set_stiffness(problem, stiffness)
+
+
+def _set_stiffness(problem: CellProblem, stiffness: float) -> None:
+    if problem.contact is not None:
+        problem.contact.stiffness = stiffness
 
 
 def _start(problem: CellProblem, line: Line) -> tuple[_Point, Solution]:
@@ -192,34 +216,59 @@ def _rate(problem: CellProblem, line: Line, curvature: float, solution: Solution
     return rate
 
 
+@dataclass
+class _Way:
+    """What it took to get from one sample to the next: iterations, and those that were unstable."""
+
+    iterations: int = 0
+    unstable: int = 0
+
+
 def _advance(
     problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
-) -> tuple[_Point, Solution, int]:
+) -> tuple[_Point, Solution, _Way]:
     """Continue from `point` to `curvature`, in smaller steps where needed."""
     span = curvature - point.curvature
-    done, share, iterations = 0.0, 1.0, 0
+    done, share, way = 0.0, 1.0, _Way()
     start = point.curvature
+    short = replace(options, max_iterations=min(_PATIENCE, options.max_iterations))
     while True:
         share = min(share, 1.0 - done)
         target = curvature if done + share >= 1.0 else start + (done + share) * span
         predicted = _predict(problem, line, point, target)
-        if predicted is None and point.contact_pairs and share > _SMALLEST_CAUTIOUS_STEP:
+        cautious = share > _SMALLEST_CAUTIOUS_STEP
+        if predicted is None and point.contact_pairs and cautious:
             share *= 0.5
             continue
-        if predicted is None:
-            predicted = _squeeze(problem, line, point, target)
-        solution = _solve(problem, line, target, predicted, options)
-        iterations += solution.iterations
+        patience = short if cautious else options
+        if predicted is None:  # scales meet for the first time: no smaller step makes that easier
+            predicted, patience = _squeeze(problem, line, point, target), options
+        solution = _solve(problem, line, target, predicted, patience)
+        way.iterations += solution.iterations
+        way.unstable += solution.unstable_iterations
         if solution.status == SolveStatus.converged:
             point = _next_point(problem, line, point, target, solution)
             done += share
             share *= 2.0
             if target == curvature:
-                return point, solution, iterations
+                return point, solution, way
         else:
             share *= 0.5
             if share < _SMALLEST_STEP:
-                return point, solution, iterations
+                return point, solution, way
+
+
+def _bend_back(
+    problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
+) -> dict[str, float]:
+    """Energy density and moment at a smaller curvature, met from `point`; none if not reached."""
+    predicted = _predict(problem, line, point, curvature)
+    start = point.z if predicted is None else predicted
+    solution = _solve(problem, line, curvature, start, options)
+    if solution.status != SolveStatus.converged:
+        return {}
+    energy, moment = _energy_and_moment(problem, line, curvature, solution)
+    return {"energy_density_returning": energy, "moment_returning": moment}
 
 
 def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:

@@ -61,6 +61,10 @@ def build_dataset_of(
     for j, source in enumerate(sources):
         stretch[:, j] = turn_stretch(stretch[:, j], source.turn)
     arrays["stretch"] = stretch
+    for name in ("energy_density_returning", "moment_returning"):
+        # Of the sample before the one that carries it: it was met on the way back from there.
+        arrays[name] = np.full(shape, np.nan)
+        arrays[name][..., :-1] = array(name, np.nan)[..., 1:]
     solved = [source.direction for source in sources]
     arrays["symmetry_source"] = np.broadcast_to(solved, shape[:2])
     for name in counts:

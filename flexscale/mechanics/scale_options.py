@@ -24,7 +24,7 @@ class ScaleOptions:
     """
 
     model: str = "modes"
-    cutoff: float = 5e-3
+    cutoff: float = 1e-2
 
     def __post_init__(self) -> None:
         if self.model not in SCALE_MODELS:

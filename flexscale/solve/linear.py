@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -100,9 +101,10 @@ class PardisoFactorization:
         self._solver.set_iparm(8, int(refine))
         return self._call(33, np.asfortranarray(right_hand_sides, dtype=float))
 
-    def __del__(self) -> None:
-        # At interpreter exit the memory goes with the process, and the wrapper no longer works.
-        if hasattr(self, "_solver") and not sys.is_finalizing():
+    def __del__(self, is_finalizing: Callable[[], bool] = sys.is_finalizing) -> None:
+        # At interpreter exit the memory goes with the process, the wrapper no longer works, and
+        # the names of this module may be gone.
+        if hasattr(self, "_solver") and not is_finalizing():
             self._solver.free_memory(everything=True)
 
 

@@ -105,6 +105,7 @@ class Solution:
     residual_norm : Euclidean norm of the constrained gradient at z, N.
     negative_eigenvalues : of the unprojected Hessian on the constraint, at the last factorization.
     saddles_left : stationary points with negative eigenvalues that were met and left on the way.
+    unstable_iterations : those at which the energy curved downward, and not by contact alone.
     """
 
     z: FloatArray
@@ -115,6 +116,7 @@ class Solution:
     residual_norm: float
     negative_eigenvalues: int
     saddles_left: int = 0
+    unstable_iterations: int = 0
 
 
 @dataclass
@@ -165,14 +167,15 @@ def _newton(
     active = problem.active
     compliance = 0.0 if penalty.rho == 0.0 else 0.5 / penalty.rho
     evaluation = problem.evaluate(z)
-    multiplier, negative, escapes = penalty.multiplier, 0, 0
+    multiplier, negative, escapes, unstable = penalty.multiplier, 0, 0, 0
 
     def result(status: SolveStatus, iterations: int) -> Solution:
         constraint = problem.system.constraint
         offset = float(constraint @ z[active])
         slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
         residual = float(np.linalg.norm(evaluation.gradient + slope * constraint))
-        return Solution(z, evaluation, multiplier, status, iterations, residual, negative, escapes)
+        counts = (iterations, residual, negative, escapes, unstable)
+        return Solution(z, evaluation, multiplier, status, *counts)
 
     if not np.isfinite(evaluation.energy):
         return result(SolveStatus.infeasible_start, used)
@@ -180,13 +183,14 @@ def _newton(
         offset = float(problem.system.constraint @ z[active])
         slope = penalty.slope(offset)
         target = -offset if penalty.rho == 0.0 else 0.0
-        step, mu, negative, regular = _direction(problem, evaluation, slope, target, compliance)
+        step, mu, negative, downward = _direction(problem, evaluation, slope, target, compliance)
+        unstable += downward > 0
         gradient = evaluation.gradient + slope * problem.system.constraint
         multiplier = -mu if penalty.rho == 0.0 else penalty.multiplier
         decrement = -float(gradient @ step)
         scale = abs(evaluation.energy)
         small = decrement <= options.tolerance * scale + problem.energy_floor
-        if small and not regular and escapes < 3:
+        if small and negative > 0 and escapes < 3:
             escapes += 1
             z, evaluation = _leave_saddle(problem, evaluation, z, scale)
             continue
@@ -207,12 +211,13 @@ def _newton(
 
 def _direction(
     problem: Objective, evaluation: Any, slope: float, target: float, compliance: float
-) -> tuple[FloatArray, float, int, bool]:
+) -> tuple[FloatArray, float, int, int]:
     """A direction of descent, the change of the multiplier, and what the true Hessian is like.
 
     Returns
     -------
-    step (n_active,), mu, negative eigenvalues of the true Hessian, whether it was used as it is.
+    step (n_active,), mu, negative eigenvalues of the true Hessian, and with the positive part of
+    contact in its place.
     """
     values = problem.hessian_values(evaluation)
     system = problem.system
@@ -226,11 +231,11 @@ def _direction(
         step, mu = system.solve(-gradient, target, compliance)
         modes = negative_modes(system, downward, compliance)
         if len(modes) == downward:
-            return modes.turn_over(step, gradient), mu, negative, False
+            return modes.turn_over(step, gradient), mu, negative, downward
     if downward > 0:
         _factorize_positive(problem, evaluation)
     step, mu = system.solve(-gradient, target, compliance)
-    return step, mu, negative, negative <= 0
+    return step, mu, negative, downward
 
 
 def _factorize_positive(problem: Objective, evaluation: Any) -> None:

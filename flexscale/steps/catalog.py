@@ -154,9 +154,9 @@ STEPS: dict[str, Step] = {
     step.name: step
     for step in (
         Step("cell", 1, CellParameters),
-        Step("tangent", 3, TangentParameters, inputs=("cell",)),
-        Step("sweep", 2, SweepParameters, inputs=("cell",), parallel=True),
-        Step("shape", 2, ShapeParameters, inputs=("cell",)),
+        Step("tangent", 4, TangentParameters, inputs=("cell",)),
+        Step("sweep", 3, SweepParameters, inputs=("cell",), parallel=True),
+        Step("shape", 3, ShapeParameters, inputs=("cell",)),
         Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
     )
 }

@@ -4,13 +4,13 @@
 
 Squares, hexagons, chevrons and arrowheads, both sides, softest and stiffest direction of the flat
 sheet, at 0.002 /mm (before contact), 0.015 and 0.025 /mm. One knob at a time is turned to twice and
-half the size, the others stay at their default; at the end all of them together. What is done is
+two thirds of the size, the others stay at their default; and all of them together. What is done is
 kept in results/reference/benchmarks/mesh_convergence.json and not done again; tables (.md) and a
 figure (.png) are made from it.
 
-From the values at the three sizes follow the observed rate p = log2(d1 / d2) of the differences d1,
-d2, where both have one sign, and for p > 0.8 the Richardson limit; the error of the default is its
-distance from there, else from the finest.
+From the values at the three sizes follow the observed rate p of v0 + c h^p, where the differences
+have one sign, and for p > 0.8 the Richardson limit v0; the error of the default is its distance
+from there, else from the finest.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+import scipy.optimize
 
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
@@ -34,38 +35,41 @@ CURVATURES = (0.002, 0.006, 0.009, 0.012, 0.015, 0.02, 0.025)
 SHOWN = (0.002, 0.015, 0.025)
 STORE = Path(__file__).parents[1] / "results" / "reference" / "benchmarks" / "mesh_convergence.json"
 
-M, C, S = fs.MeshOptions(), fs.ContactOptions(), fs.ScaleOptions()
-Options = tuple[fs.MeshOptions, fs.ContactOptions, fs.ScaleOptions]
-#: Knob -> options with elements twice as large, and half as large, in that respect.
-KNOBS: dict[str, tuple[Options, Options]] = {
-    "across": tuple(
-        (replace(M, across=n, across_grading=g), C, S) for n, g in ((2, 2.56), (8, 1.265))
-    ),
-    "along": tuple((replace(M, along=h), C, S) for h in (1.6, 0.4)),
-    "corner": tuple(
-        (replace(M, corner=h, growth=g), C, S) for h, g in ((0.25, 4.0), (0.0625, 1.414))
-    ),
-    "scale layers": tuple(
-        (replace(M, scale_layers=n, layer_growth=g), C, S) for n, g in ((3, 2.66), (9, 1.386))
-    ),
-    "scale base": (
-        (replace(M, scale_corner=1.8, scale_rim=0.4, scale_size=6.8, scale_strips=2), C, S),
-        (replace(M, scale_corner=0.45, scale_rim=0.1, scale_size=1.7, scale_strips=5), C, S),
-    ),
-    "modes": tuple((M, C, fs.ScaleOptions(cutoff=c)) for c in (1e-2, 2.5e-3)),
-    "d_hat": tuple((M, replace(C, activation=d), S) for d in (0.01, 0.0025)),
-    "all": ((M.finer(0.5), C, S), (M.finer(2.0), replace(C, activation=0.0025), S)),
+#: Sizes of elements on the three levels, over the default's.
+SIZES = (2.0, 1.0, 1.0 / 1.5)
+M, C = fs.MeshOptions(), fs.ContactOptions()
+LEVELS = (M.finer(0.5), M, M.finer(1.5))
+Options = tuple[fs.MeshOptions, fs.ContactOptions]
+#: Knob -> the mesh options that it turns.
+KNOBS: dict[str, tuple[str, ...]] = {
+    "all": tuple(M.to_config()),
+    "across": ("across", "across_grading"),
+    "along": ("along",),
+    "corner": ("corner", "growth"),
+    "scale layers": ("scale_layers", "layer_growth"),
+    "scale base": ("scale_corner", "scale_rim", "scale_size", "scale_strips", "scale_growth"),
+    "d_hat": (),
 }
+
+
+def options_of(knob: str, level: int) -> Options:
+    """Mesh and contact with one knob turned to a level, the others at their default."""
+    turned = {name: getattr(LEVELS[level], name) for name in KNOBS[knob]}
+    contact = C
+    if knob in ("d_hat", "all"):
+        contact = replace(C, activation=C.activation * SIZES[level])
+    return replace(M, **turned), contact
+
 
 Store = dict[str, dict]
 
 
 def cases(pattern: str) -> list[tuple[str, Options]]:
     """Names and options of all runs of one pattern, the default first."""
-    found = [(f"{pattern}: default", (M, C, S))]
-    for knob, levels in KNOBS.items():
-        for which, options in zip(("coarse", "fine"), levels, strict=True):
-            found.append((f"{pattern}: {knob} {which}", options))
+    found = [(f"{pattern}: default", (M, C))]
+    for knob in KNOBS:
+        for which, level in (("coarse", 0), ("fine", 2)):
+            found.append((f"{pattern}: {knob} {which}", options_of(knob, level)))
     return found
 
 
@@ -81,8 +85,8 @@ def lines_of(pattern: fs.Pattern) -> list[Line]:
 def run(name: str, pattern: fs.Pattern, options: Options) -> dict:
     """Energies and moments of all lines on one mesh."""
     start = time.perf_counter()
-    mesh, contact, scales = options
-    problem = CellProblem.from_pattern(pattern, mesh, contact=contact, scales=scales)
+    mesh, contact = options
+    problem = CellProblem.from_pattern(pattern, mesh, contact=contact)
     found: dict = {"unknowns": len(problem.active)}
     for line in lines_of(pattern):
         for sample in follow_line(problem, line, SolverOptions()):
@@ -96,14 +100,25 @@ def run(name: str, pattern: fs.Pattern, options: Options) -> dict:
 
 
 def limit(values: list[float]) -> tuple[float, float]:
-    """Observed rate and Richardson limit of values at three sizes; without a rate nan, the last."""
+    """Observed rate and Richardson limit of values at three sizes; without a rate nan, the last.
+
+    With v = v0 + c h^p the ratio of the differences is (h1^p - h2^p) / (h2^p - h3^p).
+    """
     first, second = values[0] - values[1], values[1] - values[2]
-    if first * second > 0.0 and abs(first) > abs(second):
-        rate = float(np.log2(first / second))
-        # A slower rate is no rate yet: its limit would be a guess far beyond the values.
-        end = values[2] - second / (first / second - 1.0) if rate > 0.8 else values[2]
-        return rate, end
-    return float("nan"), values[-1]
+    ratio = first / second if second else 0.0
+
+    def excess(p: float) -> float:
+        powers = np.power(SIZES, p)
+        return float((powers[0] - powers[1]) / (powers[1] - powers[2]) - ratio)
+
+    if not excess(0.05) < 0.0 < excess(12.0):
+        return float("nan"), values[-1]
+    rate = float(scipy.optimize.brentq(excess, 0.05, 12.0))
+    # A slower rate is no rate yet: its limit would be a guess far beyond the values.
+    if rate < 0.8:
+        return rate, values[-1]
+    share = SIZES[2] ** rate / (1.0 - SIZES[2] ** rate)
+    return rate, values[-1] - share * second
 
 
 def levels_of(store: Store, pattern: str, knob: str, sample: str, which: int) -> list | None:
@@ -178,7 +193,7 @@ def draw(store: Store, path: Path) -> None:
                 errors = 100.0 * (np.array(values) / limit(values)[1] - 1.0)
                 style = "-" if sample.startswith("closing") else "--"
                 color = {"0.002": "C0", "0.015": "C1", "0.025": "C3"}[sample.split()[-1]]
-                panel.plot((2.0, 1.0, 0.5), errors, style, color=color, marker=".", linewidth=0.8)
+                panel.plot(SIZES, errors, style, color=color, marker=".", linewidth=0.8)
             panel.set_title(f"{pattern}: {knob}", fontsize=8)
             panel.set_xscale("log", base=2)
             panel.grid(alpha=0.3)

@@ -281,7 +281,7 @@ def _solve(stiffness: sp.csr_array, loads: FloatArray, places: FloatArray) -> Fl
     out = np.zeros_like(loads)
     for start in range(0, loads.shape[1], _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        out[free, part] = factorization.solve(loads[free, part])
+        out[free, part] = factorization.solve(loads[free, part], refine=False)
     return out
 
 

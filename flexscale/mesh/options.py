@@ -22,8 +22,8 @@ class MeshOptions:
     across_grading : ratio of neighboring sizes across the gap, away from the scale outline.
     scale_size : mm, largest size of the triangles of a scale's base.
     scale_corner : mm, size along the outline of the base at the tiling's vertices.
-    scale_rim : mm, width of the outermost strip of the base. The sheet pulls there: about half the
-        bond radius is good.
+    scale_rim : mm, width of the outermost strip of the base. The sheet pulls there: a third to
+        half of the bond radius is good.
     scale_strips : strips along the outline of the base, each `scale_growth` times as wide as the
         one outside it; fewer where they would not fit, none if 0.
     scale_growth : ratio of neighboring sizes in a base, away from the vertices and the outline, at
@@ -35,16 +35,16 @@ class MeshOptions:
 
     across: int = 4
     along: float = 0.8
-    corner: float = 0.125
+    corner: float = 0.1
     growth: float = 2.0
     across_grading: float = 1.6
-    scale_size: float = 3.4
-    scale_corner: float = 0.9
-    scale_rim: float = 0.2
-    scale_strips: int = 3
-    scale_growth: float = 2.0
-    scale_layers: int = 5
-    layer_growth: float = 1.8
+    scale_size: float = 2.4
+    scale_corner: float = 0.6
+    scale_rim: float = 0.14
+    scale_strips: int = 4
+    scale_growth: float = 1.5
+    scale_layers: int = 7
+    layer_growth: float = 1.5
     scale_order: int = 2
 
     def __post_init__(self) -> None:

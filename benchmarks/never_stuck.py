@@ -6,8 +6,8 @@ DIR is where `flexscale run workflows/named_patterns.yaml --results DIR` has put
 every pattern: samples solved (those that symmetry fills in are not counted), converged ones, ones
 in contact, the smallest distance that scales keep, saddles left on the way, iterations before and
 in contact, and the mesh error at rest that the dataset carries. Then every sample that was not
-reached, with its status. Contact that forms gradually is told by the direction's moments: the share
-of the moment at the largest curvature's slope that the first sample in contact has already.
+reached, with its status; how gradually contact sets in (`datasets.onset`); and the samples at which
+the way back from the next curvature met another equilibrium.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ import xarray as xr
 from report import report
 
 import flexscale as fs
+from flexscale.datasets.onset import contact_onset
 from flexscale.status import SolveStatus
 
+SAME = 1e-5  # relative difference in energy up to which two equilibria are one
 HEAD = (
     "| pattern | solved | converged | % | in contact | smallest distance, mm | saddles left "
     "| iterations before / in contact | mesh error at rest |"
@@ -75,26 +77,47 @@ def missing(name: str, sweep: xr.Dataset) -> list[str]:
 
 
 def gradual(name: str, sweep: xr.Dataset) -> list[str]:
-    """Rows with how suddenly contact sets in, per side and direction that touches.
-
-    Of the slopes of the moment before contact, in the first interval that ends in contact, and in
-    the last one: 0 % is no change at first, 100 % is the final slope at once.
-    """
+    """Rows with where contact sets in and over which range, per side that touches."""
     found, part = [], solved_part(sweep)
+    onset = contact_onset(part)
     for side in part["side"].values:
-        shares = []
-        for direction in part["direction"].values:
-            line = part.sel(side=side, direction=direction)
-            kappa, moment = line["curvature"].values, line["moment"].values
-            touching = np.flatnonzero(line["contact_pairs"].values > 0)
-            if len(touching) < 3 or touching[0] < 2 or not np.isfinite(moment).all():
+        line = onset.sel(side=side)
+        texts = []
+        for direction in line["direction"].values:
+            at = line.sel(direction=direction)
+            if np.isnan(at["free_until"]):
                 continue
-            slopes, k = np.diff(moment) / np.diff(kappa), touching[0]
-            last = slopes[-1]
-            share = (slopes[k] - slopes[k - 2]) / (last - slopes[k - 2])
-            shares.append(f"{direction:g}°: {100.0 * share:.0f} %")
-        if shares:
-            found.append(f"| {name} | {side} | {', '.join(shares)} |")
+            begin, end = (float(at[k]) for k in ("onset_begin", "onset_end"))
+            where = f"{direction:g}°: after {float(at['free_until']):g}"
+            if np.isfinite(begin):
+                sudden = at["onset_spread"] <= 2.0 * at["onset_resolution"]
+                where += f", {begin:.4f}–{end:.4f}{' (sudden)' if sudden else ''}"
+            texts.append(where)
+        if texts:
+            found.append(f"| {name} | {side} | {'; '.join(texts)} |")
+    return found
+
+
+def branches(name: str, sweep: xr.Dataset) -> list[str]:
+    """Rows with samples at which bending back met another equilibrium than bending on."""
+    found, part = [], solved_part(sweep)
+    if "moment_returning" not in part:
+        return found
+    energy = part["energy_density_returning"] / part["energy_density"] - 1.0
+    moment = part["moment_returning"] / part["moment"] - 1.0
+    checked = int(np.isfinite(energy).sum())
+    other = np.abs(energy) > SAME
+    for side in part["side"].values:
+        for direction in part["direction"].values:
+            at = {"side": side, "direction": direction}
+            texts = [
+                f"{kappa:g}: {100.0 * float(energy.sel(at).sel(curvature=kappa)):+.2f} / "
+                f"{100.0 * float(moment.sel(at).sel(curvature=kappa)):+.1f} %"
+                for kappa in part["curvature"].values[other.sel(at).values]
+            ]
+            if texts:
+                found.append(f"| {name} | {side} | {direction:g}° | {'; '.join(texts)} |")
+    found.append(f"| {name} | both | | {int(other.sum())} of {checked} checked |")
     return found
 
 
@@ -118,9 +141,14 @@ def main() -> None:
     rows += ["", f"In all {reached} of {total}: {100.0 * reached / total:.2f} %.", ""]
     rows += ["## Not reached", ""]
     rows += [line for name, sweep in sweeps.items() for line in missing(name, sweep)] or ["None."]
-    rows += ["", "## How suddenly contact sets in", "", "| pattern | side | share of the slope |"]
-    rows.append("|---|---|---|")
+    rows += ["", "## How suddenly contact sets in", "", "Directions with the last sample free of "]
+    rows[-1] += "contact, and the range over which the slope rises from 10 to 90 % [mm-1]."
+    rows += ["", "| pattern | side | onset |", "|---|---|---|"]
     rows += [line for name, sweep in sweeps.items() for line in gradual(name, sweep)]
+    rows += ["", "## Where there is more than one branch", ""]
+    rows += ["Energy / moment on the way back, relative to the way on, at curvatures [mm-1].", ""]
+    rows += ["| pattern | side | direction | way back |", "|---|---|---|---|"]
+    rows += [line for name, sweep in sweeps.items() for line in branches(name, sweep)]
     report(rows, arguments.output)
 
 

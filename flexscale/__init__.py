@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flexscale import plotting as plot
+    from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
@@ -44,6 +45,7 @@ __all__ = [
     "SubstrateOptions",
     "Tiling",
     "between",
+    "contact_onset",
     "families",
     "fit",
     "named_pattern",
@@ -70,6 +72,7 @@ _HOMES = {
     "SubstrateOptions": "flexscale.mechanics.substrate_options",
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",
+    "contact_onset": "flexscale.datasets.onset",
     "families": "flexscale.tilings",
     "fit": "flexscale.macro.fit",
     "named_pattern": "flexscale.patterns.named",

@@ -11,7 +11,7 @@ import xarray as xr
 from flexscale.datasets.build import directional_stiffness
 from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_parameters
 from flexscale.datasets.identity import SHORT_DIGEST
-from flexscale.datasets.schema import ENERGY_PARTS, schema_of
+from flexscale.datasets.schema import ENERGY_PARTS, SWEEP, schema_of
 from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 from flexscale.status import SolveStatus
@@ -91,7 +91,8 @@ def _check_sweep(dataset: xr.Dataset) -> None:
         raise SchemaError("A status of the sweep is none of the known ones.")
     for name, variable in dataset.data_vars.items():
         if variable.dims[:3] == dataset["status"].dims and variable.dtype.kind == "f":
-            _check_finite(dataset, str(name), status == SolveStatus.converged)
+            partial = SWEEP.all[str(name)].partial
+            _check_finite(dataset, str(name), status == SolveStatus.converged, partial)
     _check_energy(dataset)
 
 
@@ -103,14 +104,14 @@ def _check_axis(values: np.ndarray, name: str, unit: str) -> None:
         )
 
 
-def _check_finite(dataset: xr.Dataset, name: str, converged: np.ndarray) -> None:
+def _check_finite(dataset: xr.Dataset, name: str, converged: np.ndarray, partial: bool) -> None:
     """Numbers exactly where the solve converged; all missing is fine when a comment says why."""
     finite = np.isfinite(dataset[name].values)
     if finite.ndim > converged.ndim:
         converged = np.broadcast_to(converged[..., None], finite.shape)
     if "comment" in dataset[name].attrs and not finite.any():
         return
-    wrong = np.argwhere(finite != converged)
+    wrong = np.argwhere(finite & ~converged if partial else finite != converged)
     if wrong.size:
         side, direction, curvature = wrong[0][:3]
         value = dataset[name].values[tuple(wrong[0])]

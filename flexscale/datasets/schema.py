@@ -68,7 +68,7 @@ SWEEP = Schema(
             method="derivative of the energy density by the curvature at fixed unknowns",
         ),
         *(
-            Variable(name, _SAMPLE, "float64", units, long_name, optional=True, attrs=_RETURNING)
+            Variable(name, _SAMPLE, "float64", units, long_name, True, _RETURNING, partial=True)
             for name, units, long_name in (
                 ("energy_density_returning", "N mm-1", "energy per rest area, bent back"),
                 ("moment_returning", "N", "bending moment per width, bent back"),

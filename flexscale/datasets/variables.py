@@ -23,7 +23,8 @@ class Variable:
     """One variable: `dtype` is "float64", "int32", "int8" or "text".
 
     `units` is "" for text, and for values whose units differ along a dimension; their `comment`
-    then names the coordinate that holds the units.
+    then names the coordinate that holds the units. A `partial` variable of samples may be nan where
+    the sample converged.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Variable:
     long_name: str
     optional: bool = False
     attrs: Mapping[str, Any] = field(default_factory=dict)
+    partial: bool = False
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ def problem(make, scales, contact=True):
 
 @pytest.mark.parametrize(("make", "direction"), [(square, 0.0), (square, 45.0), (hexagon, 10.0)])
 def test_modes_give_the_stiffness_of_the_tets(make, direction):
-    """They are a subspace, so they come from above, and the cutoff leaves 0.5 % on a mesh as coarse as this."""
+    """They are a subspace and come from above; the cutoff leaves 0.5 % on so coarse a mesh."""
     tets = solve_tangent(problem(make, TETS, False)).stiffness(direction)
     modes = solve_tangent(problem(make, MODES, False)).stiffness(direction)
     assert -1e-9 < modes / tets - 1.0 < 5e-3

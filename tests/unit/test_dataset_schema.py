@@ -11,6 +11,7 @@ from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.variables import derive
 from flexscale.errors import MissingDataError, SchemaError, UnknownNameError
+from flexscale.status import SolveStatus
 from tests.unit.dataset_samples import SCALARS, cell, shape, sweep, sweep_arrays
 
 
@@ -184,3 +185,22 @@ def test_no_schema_names_a_variable_twice() -> None:
     for schema in SCHEMAS.values():
         names = [item.name for item in (*schema.coordinates, *schema.variables)]
         assert len(names) == len(set(names)), schema.name
+
+
+def test_partial_variables_may_miss_where_samples_converged():
+    """But never hold a number where the sample did not."""
+    kappa = np.array([0.0, 0.01, 0.02])
+    arrays = sweep_arrays((2, 3, 3), kappa)
+    back = np.full((2, 3, 3), np.nan)
+    back[0, 1, 1] = 0.3
+    for name in ("energy_density_returning", "moment_returning"):
+        arrays[name] = back
+    axes = (["closing", "opening"], [0.0, 45.0, 90.0], kappa)
+    dataset = build_sweep_dataset(*axes, arrays, scalars=SCALARS, config={})
+    check_dataset(dataset, "sweep")
+    dataset["status"][0, 1, 1] = SolveStatus.stalled
+    for name in sorted(set(dataset.data_vars) - {"moment_returning"}):
+        if dataset[name].dims[:3] == dataset["status"].dims and dataset[name].dtype.kind == "f":
+            dataset[name][0, 1, 1] = np.nan
+    with pytest.raises(SchemaError, match=r"moment_returning is 0\.3 .* stalled"):
+        check_dataset(dataset, "sweep")

@@ -117,7 +117,10 @@ def main() -> None:
     rows += ["| " + " | ".join(row) + " |" for row in found]
     cells = [cell for row in found for cell in row[5:] if cell]
     counts = (cells.count("same"), cells.count("not converged"), len(cells))
-    rows += ["", f"{counts[0]} of {counts[2]} starts found the line's state, {counts[1]} did not converge."]  # fmt: skip
+    told = (
+        f"{counts[0]} of {counts[2]} starts found the line's state, {counts[1]} did not converge."
+    )
+    rows += ["", told]
     report(rows, output)
 
 

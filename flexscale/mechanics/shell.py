@@ -1,6 +1,6 @@
 """Geometrically exact Kirchhoff-Love sheet on C1 (Hsieh-Clough-Tocher) triangles: the substrate.
 
-Kinematics: `shell_forms`; energy per area: `shell_law`.
+Kinematics: `shell_forms`; energy per area: `layered_law` or, with a bending measure, `shell_law`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from numba import njit
 
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, hct_derivatives
+from flexscale.mechanics.layered_law import layered_energy, layered_law
 from flexscale.mechanics.shell_forms import (
     add_point_forces,
     fill_point,
@@ -19,7 +20,9 @@ from flexscale.mechanics.shell_forms import (
     vector_hessian,
 )
 from flexscale.mechanics.shell_law import bending_energy, membrane_energy, shell_law
-from flexscale.mechanics.substrate_options import BENDING_MEASURES
+from flexscale.mechanics.substrate_options import BENDING_MEASURES, DEFAULT_MEASURE
+
+LAYERS = BENDING_MEASURES.index("layers")
 
 
 @njit(cache=True)
@@ -34,6 +37,11 @@ def _energies(y, vectors, derivatives, weights, law, out):
             if not area > 0.0:
                 out[:] = np.inf
                 return
+            if measure == LAYERS:
+                stretching, bending = layered_energy(e, b, mu, lam, thickness)
+                out[0] += weights[t, q] * stretching
+                out[1] += weights[t, q] * bending
+                continue
             a[0], a[1], a[2] = 1.0 + e[0], e[1], 1.0 + e[2]
             out[0] += weights[t, q] * thickness * membrane_energy(e[0], e[1], e[2], mu, lam)
             out[1] += weights[t, q] * stiffness * bending_energy(a, b, area, nu, measure)
@@ -44,11 +52,15 @@ def _gradient(y, vectors, derivatives, weights, law, out):
     mu, lam, thickness, stiffness, nu, measure = law
     v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
     e, b, grad, no_hessian = np.empty(3), np.empty(3), np.empty(6), np.empty((0, 0))
+    law_work = np.empty((23, 6))
     p, christoffel = np.empty((5, 3)), np.empty((3, 2))
     for t in range(len(vectors)):
         for q in range(weights.shape[1]):
             forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b)
-            shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, no_hessian)
+            if measure == LAYERS:
+                layered_law(e, b, mu, lam, thickness, grad, no_hessian, law_work)
+            else:
+                shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, no_hessian)
             vector_gradient(v, normal, dual, grad, p, christoffel)
             add_point_forces(derivatives[t, q], weights[t, q], p, vectors[t], out)
 
@@ -60,13 +72,16 @@ def _hessian(y, vectors, derivatives, weights, law, out):
     e, b, grad, hess = np.empty(3), np.empty(3), np.empty(6), np.empty((6, 6))
     p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 6))
     n_points = weights.shape[1]
-    half, work = np.empty((n_points, 5, 6, 12)), np.empty((9, 3))
+    half, work, law_work = np.empty((n_points, 5, 6, 12)), np.empty((9, 3)), np.empty((23, 6))
     for t in range(len(vectors)):
         for q in range(weights.shape[1]):
             n = derivatives[t, q]
             w = weights[t, q]
             forms(y, vectors[t], n, v, normal, dual, e, b)
-            shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, hess)
+            if measure == LAYERS:
+                layered_law(e, b, mu, lam, thickness, grad, hess, law_work)
+            else:
+                shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, hess)
             vector_gradient(v, normal, dual, grad, p, christoffel)
             vector_hessian(v, normal, dual, b, grad, hess, christoffel, h, work)
             fill_point(n, w, h, half[q])
@@ -86,7 +101,8 @@ class HctShell:
     poisson_ratio : 1.
     thickness : mm.
     bending_stiffness : N mm.
-    bending_measure : "turn", "form" or "curvature", see `shell_law`.
+    bending_measure : "layers", see `layered_law`, or "turn", "form" or "curvature", see
+        `shell_law`.
     """
 
     part_names: tuple[str, ...] = ("membrane", "bending")
@@ -102,7 +118,7 @@ class HctShell:
         poisson_ratio: float,
         thickness: float,
         bending_stiffness: float,
-        bending_measure: str = "turn",
+        bending_measure: str = DEFAULT_MEASURE,
     ) -> None:
         derivatives, self.weights = hct_derivatives(corners, edge_normals)
         self.derivatives = np.ascontiguousarray(derivatives)

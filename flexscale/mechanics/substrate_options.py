@@ -8,7 +8,9 @@ from typing import Any
 from flexscale.errors import ConfigError, UnknownNameError, suggest
 
 SUBSTRATE_ELEMENTS = ("c1", "edge_angle", "averaged_normals")
-BENDING_MEASURES = ("turn", "form", "curvature")  # numbered as in `shell_law`
+#: Numbered as in `shell_law`; the last one is the energy of `layered_law`.
+BENDING_MEASURES = ("turn", "form", "curvature", "layers")
+DEFAULT_MEASURE = "layers"
 
 
 @dataclass(frozen=True)
@@ -19,13 +21,15 @@ class SubstrateOptions:
     ----------
     element : "c1" smooth triangles; the paper's linear triangles, bent by "edge_angle" (one normal
         angle per edge) or by "averaged_normals" (none), for comparison: they need many more.
-    bending_measure : of "c1" triangles, what the bending energy is quadratic in: "turn" of the
-        normal per rest length, second "form", or "curvature", the turn per deformed length; they
-        differ where the sheet is stretched much.
+    bending_measure : of "c1" triangles: "layers" integrates the material's energy over the
+        thickness, so that no fiber can be pressed to nothing; else a bending energy is added to
+        that of the midsurface, quadratic in the "turn" of the normal per rest length, the second
+        "form", or the "curvature", the turn per deformed length. They differ where the sheet is
+        bent or stretched much.
     """
 
     element: str = "c1"
-    bending_measure: str = "turn"
+    bending_measure: str = DEFAULT_MEASURE
 
     def __post_init__(self) -> None:
         for what, given, known in (
@@ -34,7 +38,7 @@ class SubstrateOptions:
         ):
             if given not in known:
                 raise UnknownNameError(f"There is no {what} {given!r}. {suggest(given, known)}")
-        if self.element != "c1" and self.bending_measure != "turn":
+        if self.element != "c1" and self.bending_measure != DEFAULT_MEASURE:
             raise ConfigError(
                 f"The bending measure {self.bending_measure!r} is for the element 'c1'; the "
                 f"element {self.element!r} has its own, leave bending_measure out."

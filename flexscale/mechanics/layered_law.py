@@ -110,7 +110,8 @@ def _pairing(i, j):
 def layered_law(e, b, mu, lam, thickness, grad, hess, work):
     """Gradient (6,) and Hessian (6, 6) of both energies of `layered_energy` together.
 
-    In s = (a11, a12, a22, b11, b12, b22). Pass `hess` of shape (0, 0) to skip it. `work` is (23, 6).
+    In s = (a11, a12, a22, b11, b12, b22). Pass `hess` of shape (0, 0) to skip it; `work` is (23,
+    6).
     """
     second = hess.shape[0] > 0
     a0, a1, a2 = 1.0 + e[0], e[1], 1.0 + e[2]

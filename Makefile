@@ -11,11 +11,12 @@ export MKL_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export NUMBA_NUM_THREADS := 1
 
-.PHONY: help setup quickstart test test-slow lint format lock clean
+.PHONY: help setup quickstart test test-slow validate lint format lock clean
 help:
 	@echo "make quickstart   set up, then compute and draw two scale patterns (workflows/quickstart.yaml)"
 	@echo "make test         set up, then the fast test suite"
 	@echo "make test-slow    the tests that take minutes"
+	@echo "make validate     the validation pages in results/reference/benchmarks; takes hours, goes on if stopped"
 	@echo "make lint         ruff and mypy"
 	@echo "make format       ruff format and safe fixes"
 	@echo "make lock         renew requirements.lock from pyproject.toml"
@@ -31,6 +32,9 @@ test: setup
 
 test-slow: setup
 	@$(BIN)/python -m pytest -q -m slow
+
+validate: setup
+	@$(BIN)/python benchmarks/validate.py
 
 lint: setup
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy

@@ -1,0 +1,172 @@
+"""Every validation page, made where it is missing or older than the code it speaks of.
+
+    python benchmarks/validate.py [PAGE …] [--results DIR] [--dry-run]
+
+`make validate` calls this. Each benchmark writes one page of results/reference/benchmarks; a line
+at its end has the commit, the time it took, and a digest of the sources that its numbers depend on.
+A page whose digest is still right is not made again, so that an interrupted run goes on where it
+stopped; README.md beside the pages lists them all. Benchmarks of sweeps take those of DIR, after
+running workflows/named_patterns.yaml there to its end. All of it takes hours on two cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import hashlib
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = ROOT / "results" / "reference" / "benchmarks"
+CELL = ("tilings", "patterns", "mesh", "mechanics", "embedding", "solve", "homogenize")
+SHEET = ("mechanics", "embedding", "solve", "macro")
+FOOTER = re.compile(r"\n\*Made by `(.+)` in (\d+) s, commit (\w+), sources (\w+)\.\*\n?$")
+
+
+@dataclass(frozen=True)
+class Page:
+    """A benchmark: the rooms of flexscale that its numbers depend on, and whether it reads sweeps.
+
+    One that keeps its own results (`own_output`) takes no --output.
+    """
+
+    name: str
+    rooms: tuple[str, ...] = CELL
+    reads_sweeps: bool = False
+    own_output: bool = False
+
+    @property
+    def script(self) -> Path:
+        """The benchmark."""
+        return ROOT / "benchmarks" / f"{self.name}.py"
+
+    @property
+    def path(self) -> Path:
+        """The page."""
+        return PAGES / f"{self.name}.md"
+
+    def summary(self) -> str:
+        """First line of the benchmark's docstring."""
+        return (ast.get_docstring(ast.parse(self.script.read_text())) or "").splitlines()[0]
+
+    def sources(self) -> str:
+        """Digest of what its numbers depend on."""
+        digest = hashlib.sha256(self.script.read_bytes())
+        for room in self.rooms:
+            for path in sorted((ROOT / "flexscale" / room).rglob("*")):
+                if path.suffix in (".py", ".json", ".yaml"):
+                    digest.update(path.read_bytes())
+        return digest.hexdigest()[:12]
+
+    def footer(self) -> tuple[str, ...]:
+        """Command, seconds, commit and sources of the page as it is; empty without."""
+        found = FOOTER.search(self.path.read_text()) if self.path.exists() else None
+        return found.groups() if found else ()
+
+    def is_current(self) -> bool:
+        """Whether the page was made from the present sources."""
+        footer = self.footer()
+        return bool(footer) and footer[3] == self.sources()
+
+
+ALL = (
+    Page("tiling_families", ("tilings",)),
+    Page("mesh_all_families", ("tilings", "patterns", "mesh")),
+    Page("named_patterns"),
+    Page("stiffness_convergence"),
+    Page("mesh_convergence", own_output=True),
+    Page("scale_elements"),
+    Page("substrate_elements"),
+    Page("substrate_bending"),
+    Page("bending_measures"),
+    Page("contact_convergence"),
+    Page("branches"),
+    Page("never_stuck", reads_sweeps=True),
+    Page("quickstart_states"),
+    Page("newton_iteration"),
+    Page("fit_errors", (*CELL, "macro"), reads_sweeps=True),
+    Page("fitted_sheet", (*CELL, "macro"), reads_sweeps=True),
+    Page("macro_shell", SHEET),
+    Page("fabricate", ("tilings", "patterns", "fabricate")),
+)
+
+
+def run_sweeps(results: Path) -> None:
+    """The twelve named patterns to their end; what is there already is not done again."""
+    experiment = ROOT / "workflows" / "named_patterns.yaml"
+    command = [sys.executable, "-m", "flexscale.cli", "run", str(experiment)]
+    done = subprocess.run([*command, "--results", str(results)], check=False, cwd=ROOT)
+    if done.returncode not in (0, 3):  # 3: some samples did not converge, which the page tells
+        raise SystemExit(done.returncode)
+
+
+def make(page: Page, results: Path) -> None:
+    """Run a benchmark and sign its page; an old page stays where the benchmark fails."""
+    shown = f"python benchmarks/{page.name}.py"
+    command = [sys.executable, str(page.script)]
+    if page.reads_sweeps:
+        run_sweeps(results)
+        command += ["--results", str(results)]
+        shown += " --results DIR"
+    fresh = page.path.with_suffix(".new")
+    if not page.own_output:
+        command += ["--output", str(fresh)]
+    sources, start = page.sources(), time.monotonic()
+    subprocess.run(command, check=True, cwd=ROOT)
+    seconds = time.monotonic() - start
+    text = FOOTER.sub("", (page.path if page.own_output else fresh).read_text()).rstrip("\n")
+    footer = f"\n\n*Made by `{shown}` in {seconds:.0f} s, commit {_commit()}, sources {sources}.*\n"
+    fresh.write_text(text + footer)
+    fresh.replace(page.path)
+
+
+def _commit() -> str:
+    command = ["git", "rev-parse", "--short", "HEAD"]
+    found = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    return found.stdout.strip() or "unknown"
+
+
+def write_index() -> None:
+    """README.md beside the pages."""
+    rows = ["# Validation pages", "", "Made by `make validate`; each names its own command.", ""]
+    rows += ["| page | what it tells | commit | s | up to date |", "|---|---|---|---|---|"]
+    for page in ALL:
+        footer = page.footer() or ("", "", "", "")
+        state = "yes" if page.is_current() else "no"
+        link = f"[{page.name}]({page.path.name})" if page.path.exists() else page.name
+        rows.append(f"| {link} | {page.summary()} | {footer[2]} | {footer[1]} | {state} |")
+    (PAGES / "README.md").write_text("\n".join(rows) + "\n")
+
+
+def main() -> None:
+    """Make what is asked for and not up to date."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    names = [page.name for page in ALL]
+    parser.add_argument("pages", nargs="*", metavar="PAGE", help=f"of {', '.join(names)}")
+    parser.add_argument("--results", type=Path, default=ROOT / "results", help="where sweeps are")
+    parser.add_argument("--dry-run", action="store_true", help="only say what would be made")
+    arguments = parser.parse_args()
+    unknown = sorted(set(arguments.pages) - set(names))
+    if unknown:
+        parser.error(f"there is no page {unknown[0]!r}; there are {', '.join(names)}")
+    for page in ALL:
+        if arguments.pages and page.name not in arguments.pages:
+            continue
+        if page.is_current():
+            print(f"{page.name}: up to date", flush=True)
+            continue
+        print(f"{page.name}: to be made", flush=True)
+        if not arguments.dry_run:
+            make(page, arguments.results)
+            write_index()
+    if not arguments.dry_run:
+        write_index()
+
+
+if __name__ == "__main__":
+    main()

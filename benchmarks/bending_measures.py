@@ -13,6 +13,8 @@ sheet is folded more sharply than its own thickness allows: the strip has collap
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from report import output_file, report
 
@@ -45,7 +47,7 @@ def extremes(shell: HctShell, y: FloatArray, thickness: float) -> tuple[float, f
 def second_branch(samples: list[dict]) -> str:
     """How many samples have another equilibrium on the way back, and the largest drop of moment."""
     checked, drops = 0, []
-    for before, after in zip(samples[:-1], samples[1:], strict=True):
+    for before, after in itertools.pairwise(samples):
         if "energy_density_returning" in after:
             checked += 1
             if abs(after["energy_density_returning"] / before["energy_density"] - 1.0) > SAME:

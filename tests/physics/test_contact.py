@@ -49,17 +49,21 @@ def kink(samples) -> tuple[float, float]:
     return offset / (soft - stiff), stiff
 
 
-def predicted_onset(pattern: Pattern, degrees: float, side: str) -> float:
-    """kappa_0 = g / (h max_j (X_j . n)(n . nu_j)) over the walls of a one-tile pattern.
+def predicted_onset(
+    pattern: Pattern, degrees: float, side: str, strain: np.ndarray | None = None
+) -> float:
+    """kappa_0 = min_j (g + nu_j . S X_j) / (h (X_j . n)(n . nu_j)), walls of a one-tile pattern.
 
     X_j is the lattice vector to neighbor j and nu_j the normal of the wall between; scales are
     rigid and share one rotation per lattice vector. Opening meets where the product is most
-    negative.
+    negative. S (xx, yy, xy) is the strain of the lattice, which widens the gaps; 0 if not given.
     """
+    xx, yy, xy = np.zeros(3) if strain is None else strain
+    lattice_strain = np.array([[xx, xy], [xy, yy]])
     (tile,) = pattern.tiles
     n = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     sign = 1.0 if side == "closing" else -1.0
-    products = []
+    onsets = []
     for start, end in zip(tile, np.roll(tile, -1, axis=0), strict=True):
         wall = end - start
         normal = np.array([wall[1], -wall[0]]) / np.linalg.norm(wall)
@@ -68,8 +72,11 @@ def predicted_onset(pattern: Pattern, degrees: float, side: str) -> float:
                  for m in (-1, 0, 1) for k in (-1, 0, 1) if m or k]  # fmt: skip
         # The neighbor across this wall has the wall's middle on its own outline.
         (step,) = [s for s in steps if on_outline(tile + s, middle)]
-        products.append(sign * (step @ n) * (n @ normal))
-    return pattern.gap / (pattern.scale_height * max(products))
+        product = sign * (step @ n) * (n @ normal)
+        if product > 1e-9:
+            gap = pattern.gap + normal @ lattice_strain @ step
+            onsets.append(gap / (pattern.scale_height * product))
+    return float(min(onsets))
 
 
 def on_outline(polygon: np.ndarray, point: np.ndarray) -> bool:
@@ -96,12 +103,19 @@ ONSETS = [
 
 @pytest.mark.parametrize(("pattern", "degrees"), ONSETS)
 def test_onset_of_closing(pattern, degrees):
-    """Within 3 %: scales meet where their rigid rotations close the gap at the top."""
+    """Within 2 %: scales meet where their rigid rotations close the gap at the top.
+
+    Strips of sheet as thick as wide lengthen when they are bent and twisted, and so the gap is
+    wider then, by up to 4 % before the onset; the strain grows as the square of the curvature.
+    """
     rigid = pattern(scale_material=RIGID)
     expected = predicted_onset(rigid, degrees, "closing")
     curvatures = expected * np.array([0.5, 0.9, 1.02, 1.04, 1.06])
     _, samples = solve_line(rigid, "closing", degrees, curvatures)
-    assert kink(samples)[0] == pytest.approx(expected, rel=0.03)
+    strain = (samples[1]["stretch"] - [1.0, 1.0, 0.0]) / 0.9**2
+    widened = predicted_onset(rigid, degrees, "closing", strain)
+    assert 0.98 * expected < widened < 1.05 * expected
+    assert kink(samples)[0] == pytest.approx(widened, rel=0.02)
 
 
 def bricks(length: float, width: float, **changes) -> Pattern:

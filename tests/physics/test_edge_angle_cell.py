@@ -103,7 +103,7 @@ def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
         assert solution.status == SolveStatus.converged
         return bent.moment(solution.evaluation)
 
-    limit = moment(fs.SubstrateOptions("c1"), 0.6)
+    limit = moment(fs.SubstrateOptions("c1", bending_measure="turn"), 0.6)
     errors = [moment(EDGE_ANGLE, size) / limit - 1.0 for size in (0.6, 0.3)]
     assert abs(errors[1]) < 2e-4
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)

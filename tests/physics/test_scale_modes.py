@@ -20,7 +20,7 @@ from tests.physics.cells import hexagon, square
 
 MESH = fs.MeshOptions(
     across=2, corner=0.25, growth=1.6, across_grading=1.0, scale_rim=0.45, scale_strips=1,
-    scale_growth=3.0, scale_layers=3, layer_growth=3.0,
+    scale_size=3.4, scale_corner=0.9, scale_growth=3.0, scale_layers=3, layer_growth=3.0,
 )  # fmt: skip
 MODES, TETS = fs.ScaleOptions("modes"), fs.ScaleOptions("tets")
 

@@ -19,7 +19,9 @@ COARSE = fs.MeshOptions(along=2.5, corner=0.4, scale_size=4.0, scale_layers=1)
 
 def moment(pattern: Pattern, direction: float = 25.0, curvature: float = 0.008) -> np.ndarray:
     """Moments to both sides."""
-    data = fs.sweep(pattern, [direction % 180.0], [0.0, curvature], mesh=COARSE, workers=1)
+    solver = fs.SolverOptions(tolerance=1e-11)
+    curvatures = [0.0, curvature]
+    data = fs.sweep(pattern, [direction % 180.0], curvatures, mesh=COARSE, solver=solver, workers=1)
     assert (data.status == 0).all()
     return data.moment.values[:, 0, 1]
 

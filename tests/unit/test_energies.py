@@ -36,7 +36,7 @@ def edge_normals(corners: np.ndarray) -> np.ndarray:
     return np.stack([-span[..., 1], span[..., 0]], axis=-1)
 
 
-def build_shell() -> tuple[HctShell, np.ndarray]:
+def build_shell(bending_measure: str = "layers") -> tuple[HctShell, np.ndarray]:
     """Two triangles with separate unknowns, and their flat rest state (24, 3)."""
     normals = edge_normals(CORNERS)
     rest = np.zeros((2, 12, 3))
@@ -54,6 +54,7 @@ def build_shell() -> tuple[HctShell, np.ndarray]:
         poisson_ratio=NU,
         thickness=0.4,
         bending_stiffness=0.18,
+        bending_measure=bending_measure,
     )
     return shell, rest.reshape(24, 3)
 

@@ -149,7 +149,7 @@ def _distance_to_segments(point: np.ndarray, start: np.ndarray, end: np.ndarray)
 def test_default_square_cell_is_small() -> None:
     mesh = build_mesh(Pattern(Tiling("IH76")))
     assert 100 <= (mesh.triangle_scale < 0).sum() <= 300
-    assert mesh.n_scale_vertices < 10000
+    assert mesh.n_scale_vertices < 20000  # they cost set-up only: scales move by few modes
 
 
 @pytest.mark.parametrize("digits", [3, 4, 5, 6, 7, 9])
@@ -322,7 +322,7 @@ def test_finer_options() -> None:
     finer = options.finer(2.0)
     assert (finer.across, finer.along, finer.scale_layers) == (4, 0.5, 6)
     assert finer.growth == pytest.approx(1.2)
-    assert (finer.scale_rim, finer.scale_corner) == (0.5 * options.scale_rim, 0.45)
+    assert (finer.scale_rim, finer.scale_corner) == (0.5 * options.scale_rim, 0.3)
     assert finer.scale_strips == 2
     assert finer.layer_growth**2 == pytest.approx(options.layer_growth)
     assert options.finer(1.0) == options

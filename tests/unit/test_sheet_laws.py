@@ -59,7 +59,7 @@ def compare(found, expected: list, y: np.ndarray) -> None:
 
 
 def test_c1_sheet_with_the_native_law_is_the_native_sheet():
-    shell, rest = build_shell()
+    shell, rest = build_shell("turn")
     sheet = SheetShell(CORNERS, edge_normals(CORNERS), shell.vectors, native(TURN), rest)
     y = rest + 0.05 * np.random.default_rng(7).normal(size=rest.shape)
     compare(sheet, [shell], y)

@@ -18,13 +18,12 @@ import numpy as np
 from report import output_file, report
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.status import SolveStatus
 
 CURVATURE, TOUCHING, DEGREES = 0.005, 0.015, 20.0
-DIRECTION = float(np.radians(DEGREES))
 
 
 def milliseconds(work: Callable[[], object], repetitions: int = 9) -> float:
@@ -93,16 +92,19 @@ def iteration_counts(problem: CellProblem) -> list[str]:
 
 def constraint_times(problem: CellProblem) -> list[str]:
     """Bordered and augmented Lagrangian from the same start: time, iterations, difference."""
-    cell = problem.bent(Bend(2.0 * CURVATURE, DIRECTION))
-    near = solve_equilibrium(
-        problem.bent(Bend(1.6 * CURVATURE, DIRECTION)), problem.embedding.rest, SolverOptions()
-    )
+    line = Line("closing", DEGREES, (0.8 * CURVATURE,))
+    (sample,) = follow_line(problem, line, SolverOptions())
+    near = sample["state"] + 0.2 * CURVATURE * sample["rate"]
+    cell = problem.bent(line.bend(CURVATURE))
     found, cells = {}, []
     for method in ("bordered", "augmented_lagrangian"):
         options = SolverOptions(constraint=method, max_iterations=200)
         start = time.perf_counter()
-        found[method] = solve_equilibrium(cell, near.z, options)
+        found[method] = solve_equilibrium(cell, near, options)
         seconds = time.perf_counter() - start
+        if found[method].status != SolveStatus.converged:
+            cells.append(str(found[method].status))
+            continue
         cells.append(f"{found[method].iterations} iterations, {1e3 * seconds:.0f} ms")
     difference = np.abs(found["bordered"].z - found["augmented_lagrangian"].z).max()
     return [*cells, f"{difference:.1e} mm"]

@@ -91,7 +91,7 @@ def gradual(name: str, sweep: xr.Dataset) -> list[str]:
             begin, end = (float(at[k]) for k in ("onset_begin", "onset_end"))
             where = f"{direction:g}°: after {float(at['free_until']):g}"
             if np.isfinite(begin):
-                sudden = at["onset_spread"] <= 2.0 * at["onset_resolution"]
+                sudden = at["onset_spread"] <= at["onset_resolution"]
                 where += f", {begin:.4f}–{end:.4f}{' (sudden)' if sudden else ''}"
             texts.append(where)
         if texts:

@@ -162,7 +162,14 @@ def main() -> None:
             continue
         print(f"{page.name}: to be made", flush=True)
         if not arguments.dry_run:
-            make(page, arguments.results)
+            try:
+                make(page, arguments.results)
+            except KeyboardInterrupt:
+                print("validate: interrupted; finished pages are kept.", file=sys.stderr)
+                raise SystemExit(130) from None
+            except subprocess.CalledProcessError as error:
+                print(f"validate: {page.name} failed, its old page stays.", file=sys.stderr)
+                raise SystemExit(error.returncode) from None
             write_index()
     if not arguments.dry_run:
         write_index()

@@ -47,7 +47,8 @@ def contact_onset(sweep: xr.Dataset) -> xr.Dataset:
     ------
     MissingDataError : the sweep was made without contact.
     """
-    if "contact_pairs" not in sweep or not (sweep["contact_pairs"] >= 0).all():
+    # Without contact there are no distances, and the counts of pairs are zeros.
+    if sweep["min_gap"].isnull().all():
         raise MissingDataError("This sweep was made without contact: there is no onset to measure.")
     order = ("side", "direction", "curvature")
     moment = sweep["moment"].transpose(*order).values
@@ -83,7 +84,8 @@ def _onset(kappa: FloatArray, moment: FloatArray, touches: np.ndarray) -> list[f
     begin, end = (float(_crossing(middles[first - 2 :], shares, share)) for share in (BEGUN, DONE))
     middle = 0.5 * (begin + end)
     steps = np.diff(middles[first - 2 :])
-    sudden = (DONE - BEGUN) * float(steps[:2].max())
+    # A kink inside an interval shows in the slopes of that and of the next one.
+    sudden = (DONE - BEGUN) * float(steps[:2].sum())
     return [*bounds, begin, end, (end - begin) / middle, sudden / middle]
 
 

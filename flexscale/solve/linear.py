@@ -60,11 +60,9 @@ class PardisoFactorization:
         for number, value in settings.items():
             self._solver.set_iparm(number, value)
         self._values = np.zeros(len(indices))
-        self._n, self._indptr, self._indices = (
-            n,
-            np.ascontiguousarray(indptr, dtype=np.int32),
-            np.ascontiguousarray(indices, dtype=np.int32),
-        )
+        self._n = n
+        self._indptr = np.ascontiguousarray(indptr, dtype=np.int32)
+        self._indices = np.ascontiguousarray(indices, dtype=np.int32)
         self._nothing = np.zeros((n, 1), order="F")
         self._call(11, self._nothing)
 

@@ -4,13 +4,16 @@
 
 Every sample is reached five ways: along its line in steps, as sweeps do; from flat at once, with no
 samples on the way; from the sample at the next larger curvature, along the tangent there; and from
-the states of the same curvature 15 degrees to either side. Where the sheet's strips do not buckle
-and scales do not slide, all of them must find the same equilibrium. Relative differences in energy
-from the first are given where they exceed 1e-6: there is more than one branch. Energies below the
-line's are marked: sweeps follow the path of a sheet bent from flat, which need not be the lowest.
+the states of the same curvature 15 degrees to either side, turned a degree at a time. Where the
+sheet's strips do not buckle and scales do not slide, all of them must find the same equilibrium.
+Relative differences in energy from the first are given where they exceed 1e-6: there is more than
+one branch. Energies below the line's are marked: sweeps follow the path of a sheet bent from flat,
+which need not be the lowest.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from report import output_file, report
@@ -19,12 +22,13 @@ import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 
 CURVATURES = (0.002, 0.006, 0.009, 0.012, 0.015, 0.02, 0.025)
 PATTERNS = {"square": (15.0, 30.0), "hexagon": (0.0, 15.0), "chevron": (30.0, 60.0)}
 TURN = 15.0
+TURN_STEP, LEAST_TURN_STEP = 1.0 / 15.0, 1.0 / 500.0  # of the turn; halved where it fails
 SAME = 1e-6
 WAYS = ("from flat at once", "from the next", f"from -{TURN:g}°", f"from +{TURN:g}°")
 HEADER = "| pattern | side | direction | curvature, /mm | in contact | " + " | ".join(WAYS) + " |"
@@ -60,15 +64,46 @@ def predicted_back(
     return z if cut(problem, line, CURVATURES[k], back) else back
 
 
-def energy_from(problem: CellProblem, line: Line, curvature: float, z: FloatArray | None) -> float:
-    """Energy density of the equilibrium found from a state; nan if there is none to be found."""
+def equilibrium_from(
+    problem: CellProblem, line: Line, curvature: float, z: FloatArray | None
+) -> Solution | None:
+    """The equilibrium found from a state; None if there is none to be found."""
     if z is None:
-        return float("nan")
+        return None
     start = admissible(problem, line, curvature, z)
     solution = solve_equilibrium(problem.bent(line.bend(curvature)), start, OPTIONS)
-    if solution.status != SolveStatus.converged:
-        return float("nan")
-    return float(solution.evaluation.energy) / problem.area
+    return solution if solution.status == SolveStatus.converged else None
+
+
+def turned(
+    problem: CellProblem, other: Line, line: Line, curvature: float, z: FloatArray | None
+) -> Solution | None:
+    """Equilibrium of a line from that of another direction, followed along the turn in between.
+
+    The states on the way are predicted from the last two; None where it is not reached.
+    """
+    if z is None:
+        return None
+    turn = (line.direction - other.direction + 90.0) % 180.0 - 90.0
+    share, step, rate = 0.0, TURN_STEP, np.zeros_like(z)
+    while step >= LEAST_TURN_STEP:
+        step = min(step, 1.0 - share)
+        to = replace(line, direction=other.direction + (share + step) * turn)
+        found = equilibrium_from(problem, to, curvature, z + step * rate)
+        if found is None:
+            step *= 0.5
+            continue
+        share += step
+        rate, z = (found.z - z) / step, found.z
+        if share >= 1.0 - 1e-9:
+            return found
+        step = min(2.0 * step, TURN_STEP)
+    return None
+
+
+def energy_density(problem: CellProblem, solution: Solution | None) -> float:
+    """N/mm; nan where there is none."""
+    return float("nan") if solution is None else solution.evaluation.energy / problem.area
 
 
 def shown(energy: float, known: float) -> str:
@@ -91,12 +126,16 @@ def compare(problem: CellProblem, name: str, side: str, direction: float) -> lis
         if sample["status"]:
             continue
         (flat,) = follow_line(problem, Line(side, direction, (curvature,)), SolverOptions())
-        states = [predicted_back(problem, line, found[0], k)]
-        states += [other[k].get("state") for other in found[1:]]
+        back = predicted_back(problem, line, found[0], k)
+        solutions = [equilibrium_from(problem, line, curvature, back)]
+        solutions += [
+            turned(problem, other, line, curvature, samples[k].get("state"))
+            for other, samples in zip(lines[1:], found[1:], strict=True)
+        ]
         energies = [flat.get("energy_density", float("nan"))]
-        energies += [energy_from(problem, line, curvature, z) for z in states]
+        energies += [energy_density(problem, solution) for solution in solutions]
         cells = [shown(energy, sample["energy_density"]) for energy in energies]
-        if states[0] is None:
+        if back is None:
             cells[1] = ""
         touching = "yes" if sample["contact_pairs"] else "no"
         rows.append([name, side, f"{direction:g}°", f"{curvature:g}", touching, *cells])

@@ -48,7 +48,8 @@ def contact_onset(sweep: xr.Dataset) -> xr.Dataset:
     MissingDataError : the sweep was made without contact.
     """
     # Without contact there are no distances, and the counts of pairs are zeros.
-    if sweep["min_gap"].isnull().all():
+    solved = sweep["moment"].notnull()
+    if solved.any() and sweep["min_gap"].isnull().all():
         raise MissingDataError("This sweep was made without contact: there is no onset to measure.")
     order = ("side", "direction", "curvature")
     moment = sweep["moment"].transpose(*order).values

@@ -9,7 +9,7 @@ from flexscale.mechanics.constant_strain import ConstantStrainTriangles
 from flexscale.mechanics.edge_angles import EdgeAngleBending
 from flexscale.mechanics.energy import Energy
 from flexscale.mechanics.shell import HctShell
-from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.mechanics.substrate_options import DEFAULT_MEASURE, SubstrateOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import NeoHookean
 
@@ -46,7 +46,7 @@ def build_substrate(
             poisson_ratio=material.poisson_ratio,
             thickness=thickness,
             bending_stiffness=bending_stiffness,
-            bending_measure=options.bending_measure,
+            bending_measure=options.bending_measure or DEFAULT_MEASURE,
         )
         return [shell]
     assert isinstance(embedding, EdgeAngleCell)

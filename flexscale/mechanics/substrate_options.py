@@ -29,21 +29,23 @@ class SubstrateOptions:
     """
 
     element: str = "c1"
-    bending_measure: str = DEFAULT_MEASURE
+    bending_measure: str | None = None
 
     def __post_init__(self) -> None:
+        if self.element == "c1" and self.bending_measure is None:
+            object.__setattr__(self, "bending_measure", DEFAULT_MEASURE)
         for what, given, known in (
             ("substrate element", self.element, SUBSTRATE_ELEMENTS),
             ("bending measure", self.bending_measure, BENDING_MEASURES),
         ):
-            if given not in known:
+            if given is not None and given not in known:
                 raise UnknownNameError(f"There is no {what} {given!r}. {suggest(given, known)}")
-        if self.element != "c1" and self.bending_measure != DEFAULT_MEASURE:
+        if self.element != "c1" and self.bending_measure is not None:
             raise ConfigError(
                 f"The bending measure {self.bending_measure!r} is for the element 'c1'; the "
                 f"element {self.element!r} has its own, leave bending_measure out."
             )
 
     def to_config(self) -> dict[str, Any]:
-        """Plain text; `SubstrateOptions(**config)` makes them again."""
-        return asdict(self)
+        """Plain text, only what the element has; `SubstrateOptions(**config)` makes them again."""
+        return {name: value for name, value in asdict(self).items() if value is not None}

@@ -54,6 +54,15 @@ def test_gradual_onset_is_measured():
     assert found.onset_spread > 4.0 * found.onset_resolution
 
 
+def test_a_sweep_of_which_nothing_converged_has_no_onset():
+    moments = np.full(len(KAPPA), np.nan)
+    failed = dataset(moments, 0.011)
+    failed["min_gap"] = failed["min_gap"] * np.nan
+    failed["contact_pairs"] = 0 * failed["contact_pairs"]
+    found = contact_onset(failed)
+    assert all(np.isnan(found[name]).all() for name in found.data_vars)
+
+
 def test_nothing_without_touching():
     found = contact_onset(dataset(curve(0.0105, 0.0105), 0.011)).sel(side="opening", direction=0.0)
     assert all(np.isnan(found[name]) for name in found.data_vars)

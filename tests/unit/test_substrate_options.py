@@ -45,6 +45,8 @@ def test_bending_measures_are_for_c1_triangles():
 def test_options_come_back_from_their_config():
     options = fs.SubstrateOptions("averaged_normals")
     assert fs.SubstrateOptions(**options.to_config()) == options
+    assert options.to_config() == {"element": "averaged_normals"}  # it has no choice of measure
+    assert fs.SubstrateOptions().bending_measure == "layers"
 
 
 def test_another_element_is_another_result_of_all_but_the_cell():

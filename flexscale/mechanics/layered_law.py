@@ -62,102 +62,96 @@ def layered_energy(e, b, mu, lam, thickness):
 
 
 @njit(cache=True)
-def _curvature_derivatives(a0, a1, a2, b, d_log, d_mean, d_gauss, second, mean_2, gauss_2, log_2):
-    """Derivatives of ln det a, 2 H and K in s = (a11, a12, a22, b11, b12, b22); returns 2 H, K.
-
-    With second derivatives if `second`.
-    """
-    det = a0 * a2 - a1 * a1
-    top = a2 * b[0] + a0 * b[2] - 2.0 * a1 * b[1]
-    bottom = b[0] * b[2] - b[1] * b[1]
-    twice_mean, gauss = top / det, bottom / det
-    d_log[:] = 0.0
-    d_log[0], d_log[1], d_log[2] = a2 / det, -2.0 * a1 / det, a0 / det
-    d_top = (b[2], -2.0 * b[1], b[0], a2, -2.0 * a1, a0)
-    d_bottom = (0.0, 0.0, 0.0, b[2], -2.0 * b[1], b[0])
-    for i in range(6):
-        d_mean[i] = d_top[i] / det - twice_mean * d_log[i]
-        d_gauss[i] = d_bottom[i] / det - gauss * d_log[i]
-    if not second:
-        return twice_mean, gauss
-    for i in range(6):
-        for j in range(6):
-            mixed, square, own = 0.0, 0.0, 0.0
-            if i < 3 and j < 3:
-                own = _pairing(i, j) / det - d_log[i] * d_log[j]
-            elif i >= 3 and j >= 3:
-                square = _pairing(i - 3, j - 3) / det
-            else:
-                mixed = _pairing(i % 3, j % 3) / det
-            turned = d_log[i] * d_log[j] - own
-            log_2[i, j] = own
-            crossed = d_top[i] * d_log[j] + d_log[i] * d_top[j]
-            mean_2[i, j] = mixed - crossed / det + twice_mean * turned
-            crossed = d_bottom[i] * d_log[j] + d_log[i] * d_bottom[j]
-            gauss_2[i, j] = square - crossed / det + gauss * turned
-    return twice_mean, gauss
-
-
-@njit(cache=True)
-def _pairing(i, j):
-    """Second derivatives of det: 1 for (11, 22), -2 for (12, 12)."""
-    if i == 1 and j == 1:
-        return -2.0
-    return 1.0 if i + j == 2 and i != j else 0.0
-
-
-@njit(cache=True)
 def layered_law(e, b, mu, lam, thickness, grad, hess, work):
     """Gradient (6,) and Hessian (6, 6) of both energies of `layered_energy` together.
 
-    In s = (a11, a12, a22, b11, b12, b22). Pass `hess` of shape (0, 0) to skip it; `work` is (23,
+    In s = (a11, a12, a22, b11, b12, b22). Pass `hess` of shape (0, 0) to skip it; `work` is (3,
     6).
+
+    Every layer's energy is a function of l = ln det a, m = 2 H, k = K, tr a and tr b. With P the
+    second derivatives of a determinant, 1 for (11, 22) and -2 for (12, 12),
+
+        d2l = P_aa / det a - dl dl,
+        d2m = P_ab / det a - m P_aa / det a - dm dl - dl dm,
+        d2k = P_bb / det a - k P_aa / det a - dk dl - dl dk,
+
+    so that the Hessian is P times scalars, and products of the three gradients and those of the
+    traces; only scalars are summed over the layers.
     """
-    second = hess.shape[0] > 0
     a0, a1, a2 = 1.0 + e[0], e[1], 1.0 + e[2]
-    d_log, d_mean, d_gauss = work[0], work[1], work[2]
-    d_trace, d_fiber = work[3], work[4]
-    mean_2, gauss_2, log_2 = work[5:11], work[11:17], work[17:23]
-    twice_mean, gauss = _curvature_derivatives(
-        a0, a1, a2, b, d_log, d_mean, d_gauss, second, mean_2, gauss_2, log_2
-    )
+    det = a0 * a2 - a1 * a1
+    mean = (a2 * b[0] + a0 * b[2] - 2.0 * a1 * b[1]) / det  # twice the mean curvature
+    gauss = (b[0] * b[2] - b[1] * b[1]) / det
+    dl, dm, dk = work[0], work[1], work[2]
+    dl[0], dl[1], dl[2] = a2 / det, -2.0 * a1 / det, a0 / det
+    for i in range(3):
+        mirrored = -2.0 * b[1] if i == 1 else b[2 - i]
+        dm[i] = mirrored / det - mean * dl[i]
+        dm[3 + i] = dl[i]
+        dk[i] = -gauss * dl[i]
+        dk[3 + i] = mirrored / det
+        dl[3 + i] = 0.0
     middle = 0.5 * np.log1p(e[0] + e[2] + e[0] * e[2] - e[1] * e[1])
     trace_a, trace_b = a0 + a2, b[0] + b[2]
-    grad[:] = 0.0
-    if second:
-        hess[:] = 0.0
+    # Derivatives by l, m, k and the traces of a and b; second ones by pairs of the first three.
+    by_l, by_m, by_k, by_a, by_b = 0.0, 0.0, 0.0, 0.0, 0.0
+    ll, lm, lk, mm, mk, kk, square = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for layer in range(3):
         z = 0.5 * thickness * (layer - 1)
         weight = thickness * (FACE_WEIGHT if layer != 1 else 1.0 - 2.0 * FACE_WEIGHT)
-        fiber = 1.0 - z * twice_mean + z * z * gauss
+        half = 0.5 * weight * mu
+        fiber = 1.0 - z * mean + z * z * gauss
         y = 1.0 + thickness_stretch_squared(middle + np.log(fiber), mu, lam)
-        slope, bend = -mu * y, mu * lam / (mu + 0.5 * lam / y)
-        for i in range(6):
-            d_trace[i] = z * z * (trace_b * d_mean[i] - trace_a * d_gauss[i])
-            d_fiber[i] = (-z * d_mean[i] + z * z * d_gauss[i]) / fiber
-        for i in (0, 2):
-            d_trace[i] += 1.0 - z * z * gauss
-            d_trace[3 + i] -= z * (2.0 - z * twice_mean)
-        for i in range(6):
-            grad[i] += weight * (0.5 * mu * d_trace[i] + slope * (0.5 * d_log[i] + d_fiber[i]))
-        if not second:
-            continue
-        of_mean = 0.5 * mu * z * z * trace_b - slope * z / fiber
-        of_gauss = z * z * (slope / fiber - 0.5 * mu * trace_a)
-        for i in range(6):
-            d_i = 0.5 * d_log[i] + d_fiber[i]
-            for j in range(6):
-                d_j = 0.5 * d_log[j] + d_fiber[j]
-                hess[i, j] += weight * (
-                    of_mean * mean_2[i, j]
-                    + of_gauss * gauss_2[i, j]
-                    + bend * d_i * d_j
-                    + slope * (0.5 * log_2[i, j] - d_fiber[i] * d_fiber[j])
-                )
-        half = 0.5 * weight * mu * z * z
-        for i in (0, 2):
-            for j in range(6):
-                hess[i, j] -= half * d_gauss[j]
-                hess[j, i] -= half * d_gauss[j]
-                hess[3 + i, j] += half * d_mean[j]
-                hess[j, 3 + i] += half * d_mean[j]
+        slope = -weight * mu * y
+        bend = weight * mu * lam / (mu + 0.5 * lam / y)
+        of_m, of_k = -z / fiber, z * z / fiber  # derivatives of ln w
+        by_l += 0.5 * slope
+        by_m += half * z * z * trace_b + slope * of_m
+        by_k += slope * of_k - half * z * z * trace_a
+        by_a += half * (1.0 - z * z * gauss)
+        by_b -= half * z * (2.0 - z * mean)
+        square += half * z * z
+        ll += 0.25 * bend
+        lm += 0.5 * bend * of_m
+        lk += 0.5 * bend * of_k
+        mm += (bend - slope) * of_m * of_m
+        mk += (bend - slope) * of_m * of_k
+        kk += (bend - slope) * of_k * of_k
+    for i in range(6):
+        grad[i] = by_l * dl[i] + by_m * dm[i] + by_k * dk[i]
+    for i in (0, 2):
+        grad[i] += by_a
+        grad[3 + i] += by_b
+    if hess.shape[0] == 0:
+        return
+    ll -= by_l
+    lm -= by_m
+    lk -= by_k
+    for i in range(6):
+        with_l = ll * dl[i] + lm * dm[i] + lk * dk[i]
+        with_m = lm * dl[i] + mm * dm[i] + mk * dk[i]
+        with_k = lk * dl[i] + mk * dm[i] + kk * dk[i]
+        for j in range(i + 1):
+            hess[i, j] = with_l * dl[j] + with_m * dm[j] + with_k * dk[j]
+    _add_pairing(hess, 0, 0, (by_l - mean * by_m - gauss * by_k) / det)
+    _add_pairing(hess, 3, 0, by_m / det)
+    _add_pairing(hess, 3, 3, by_k / det)
+    for i in (0, 2):
+        # The lower triangle of products of the traces' gradients with dk and dm.
+        for j in range(6):
+            twice = 2.0 if j == i else 1.0
+            hess[max(i, j), min(i, j)] -= twice * square * dk[j]
+            twice = 2.0 if j == 3 + i else 1.0
+            hess[max(3 + i, j), min(3 + i, j)] += twice * square * dm[j]
+    for i in range(6):
+        for j in range(i):
+            hess[j, i] = hess[i, j]
+
+
+@njit(cache=True)
+def _add_pairing(hess, row, column, factor):
+    """Add factor P to the lower triangle of hess, P's first entry at (row, column)."""
+    hess[row + 2, column] += factor
+    hess[row + 1, column + 1] -= 2.0 * factor
+    if row != column:
+        hess[row, column + 2] += factor

@@ -21,9 +21,11 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, QUADRATURE_POINTS, hct_derivatives, hct_ordinates
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.shell_forms import (
-    add_point_forces,
+    add_element_forces,
+    christoffel_symbols,
     fill_point,
     forms,
+    point_vectors,
     store_blocks,
     vector_gradient,
     vector_hessian,
@@ -35,11 +37,12 @@ CHUNK = 512  # elements whose Hessians are in memory at a time
 @njit(cache=True)
 def _states(y, vectors, derivatives, rest_b, out):
     """Fill out (n, q, 6) with (e, b - b0); False where the sheet is degenerate."""
-    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
-    e, b = np.empty(3), np.empty(3)
+    v, local = np.empty((out.shape[1], 5, 3)), np.empty((12, 3))
+    normal, dual, e, b = np.empty(3), np.empty((2, 3)), np.empty(3), np.empty(3)
     for t in range(out.shape[0]):
+        point_vectors(y, vectors[t], derivatives[t], local, v)
         for q in range(out.shape[1]):
-            if not forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b) > 0.0:
+            if not forms(v[q], normal, dual, e, b) > 0.0:
                 return False
             for i in range(3):
                 out[t, q, i] = e[i]
@@ -49,30 +52,33 @@ def _states(y, vectors, derivatives, rest_b, out):
 
 @njit(cache=True)
 def _gradient(y, vectors, derivatives, weights, grads, out):
-    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
+    n_points = weights.shape[1]
+    v, p, local = np.empty((n_points, 5, 3)), np.empty((n_points, 5, 3)), np.empty((12, 3))
+    normal, dual, christoffel = np.empty(3), np.empty((2, 3)), np.empty((3, 2))
     e, b = np.empty(3), np.empty(3)
-    p, christoffel = np.empty((5, 3)), np.empty((3, 2))
     for t in range(len(vectors)):
-        for q in range(weights.shape[1]):
-            forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b)
-            vector_gradient(v, normal, dual, grads[t, q], p, christoffel)
-            add_point_forces(derivatives[t, q], weights[t, q], p, vectors[t], out)
+        point_vectors(y, vectors[t], derivatives[t], local, v)
+        for q in range(n_points):
+            forms(v[q], normal, dual, e, b)
+            christoffel_symbols(v[q], dual, christoffel)
+            vector_gradient(v[q], normal, christoffel, grads[t, q], weights[t, q], p[q])
+        add_element_forces(derivatives[t], p, vectors[t], local, out)
 
 
 @njit(cache=True)
 def _hessian(y, vectors, derivatives, weights, grads, hessians, out):
-    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
-    e, b = np.empty(3), np.empty(3)
-    p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 6))
     n_points = weights.shape[1]
+    v, local = np.empty((n_points, 5, 3)), np.empty((12, 3))
+    normal, dual, christoffel = np.empty(3), np.empty((2, 3)), np.empty((3, 2))
+    e, b, h = np.empty(3), np.empty(3), np.empty((5, 5, 6))
     half, work = np.empty((n_points, 5, 6, 12)), np.empty((9, 3))
     for t in range(len(vectors)):
-        for q in range(weights.shape[1]):
-            n = derivatives[t, q]
-            forms(y, vectors[t], n, v, normal, dual, e, b)
-            vector_gradient(v, normal, dual, grads[t, q], p, christoffel)
-            vector_hessian(v, normal, dual, b, grads[t, q], hessians[t, q], christoffel, h, work)
-            fill_point(n, weights[t, q], h, half[q])
+        point_vectors(y, vectors[t], derivatives[t], local, v)
+        for q in range(n_points):
+            forms(v[q], normal, dual, e, b)
+            christoffel_symbols(v[q], dual, christoffel)
+            vector_hessian(v[q], normal, dual, b, grads[t, q], hessians[t, q], christoffel, h, work)
+            fill_point(derivatives[t, q], weights[t, q], h, half[q])
         points = derivatives[t].reshape(5 * n_points, 12)
         store_blocks(points, half.reshape(5 * n_points, 72), out[t])
 

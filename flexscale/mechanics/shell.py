@@ -12,9 +12,11 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, hct_derivatives
 from flexscale.mechanics.layered_law import layered_energy, layered_law
 from flexscale.mechanics.shell_forms import (
-    add_point_forces,
+    add_element_forces,
+    christoffel_symbols,
     fill_point,
     forms,
+    point_vectors,
     store_blocks,
     vector_gradient,
     vector_hessian,
@@ -28,12 +30,14 @@ LAYERS = BENDING_MEASURES.index("layers")
 @njit(cache=True)
 def _energies(y, vectors, derivatives, weights, law, out):
     mu, lam, thickness, stiffness, nu, measure = law
-    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
+    v, local = np.empty((weights.shape[1], 5, 3)), np.empty((12, 3))
+    normal, dual = np.empty(3), np.empty((2, 3))
     e, b, a = np.empty(3), np.empty(3), np.empty(3)
     out[:] = 0.0
     for t in range(len(vectors)):
+        point_vectors(y, vectors[t], derivatives[t], local, v)
         for q in range(weights.shape[1]):
-            area = forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b)
+            area = forms(v[q], normal, dual, e, b)
             if not area > 0.0:
                 out[:] = np.inf
                 return
@@ -50,41 +54,44 @@ def _energies(y, vectors, derivatives, weights, law, out):
 @njit(cache=True)
 def _gradient(y, vectors, derivatives, weights, law, out):
     mu, lam, thickness, stiffness, nu, measure = law
-    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
+    n_points = weights.shape[1]
+    v, p, local = np.empty((n_points, 5, 3)), np.empty((n_points, 5, 3)), np.empty((12, 3))
+    normal, dual, christoffel = np.empty(3), np.empty((2, 3)), np.empty((3, 2))
     e, b, grad, no_hessian = np.empty(3), np.empty(3), np.empty(6), np.empty((0, 0))
-    law_work = np.empty((23, 6))
-    p, christoffel = np.empty((5, 3)), np.empty((3, 2))
+    law_work = np.empty((3, 6))
     for t in range(len(vectors)):
-        for q in range(weights.shape[1]):
-            forms(y, vectors[t], derivatives[t, q], v, normal, dual, e, b)
+        point_vectors(y, vectors[t], derivatives[t], local, v)
+        for q in range(n_points):
+            forms(v[q], normal, dual, e, b)
             if measure == LAYERS:
                 layered_law(e, b, mu, lam, thickness, grad, no_hessian, law_work)
             else:
                 shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, no_hessian)
-            vector_gradient(v, normal, dual, grad, p, christoffel)
-            add_point_forces(derivatives[t, q], weights[t, q], p, vectors[t], out)
+            christoffel_symbols(v[q], dual, christoffel)
+            vector_gradient(v[q], normal, christoffel, grad, weights[t, q], p[q])
+        add_element_forces(derivatives[t], p, vectors[t], local, out)
 
 
 @njit(cache=True)
 def _hessian(y, vectors, derivatives, weights, law, out):
     mu, lam, thickness, stiffness, nu, measure = law
-    v, normal, dual = np.empty((5, 3)), np.empty(3), np.empty((2, 3))
-    e, b, grad, hess = np.empty(3), np.empty(3), np.empty(6), np.empty((6, 6))
-    p, christoffel, h = np.empty((5, 3)), np.empty((3, 2)), np.empty((5, 5, 6))
     n_points = weights.shape[1]
-    half, work, law_work = np.empty((n_points, 5, 6, 12)), np.empty((9, 3)), np.empty((23, 6))
+    v, local = np.empty((n_points, 5, 3)), np.empty((12, 3))
+    normal, dual, christoffel = np.empty(3), np.empty((2, 3)), np.empty((3, 2))
+    e, b, grad, hess = np.empty(3), np.empty(3), np.empty(6), np.empty((6, 6))
+    half, h = np.empty((n_points, 5, 6, 12)), np.empty((5, 5, 6))
+    work, law_work = np.empty((9, 3)), np.empty((3, 6))
     for t in range(len(vectors)):
-        for q in range(weights.shape[1]):
-            n = derivatives[t, q]
-            w = weights[t, q]
-            forms(y, vectors[t], n, v, normal, dual, e, b)
+        point_vectors(y, vectors[t], derivatives[t], local, v)
+        for q in range(n_points):
+            forms(v[q], normal, dual, e, b)
             if measure == LAYERS:
                 layered_law(e, b, mu, lam, thickness, grad, hess, law_work)
             else:
                 shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, hess)
-            vector_gradient(v, normal, dual, grad, p, christoffel)
-            vector_hessian(v, normal, dual, b, grad, hess, christoffel, h, work)
-            fill_point(n, w, h, half[q])
+            christoffel_symbols(v[q], dual, christoffel)
+            vector_hessian(v[q], normal, dual, b, grad, hess, christoffel, h, work)
+            fill_point(derivatives[t, q], weights[t, q], h, half[q])
         points = derivatives[t].reshape(5 * n_points, 12)
         store_blocks(points, half.reshape(5 * n_points, 72), out[t])
 

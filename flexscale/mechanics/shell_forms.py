@@ -21,14 +21,21 @@ ROWS, COLUMNS = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
 
 
 @njit(cache=True)
-def forms(y, vectors, derivatives, v, normal, dual, e, b):
-    """Fill the five vectors, unit normal, dual basis, a - I and b at a point; returns J."""
-    for a in range(5):
+def point_vectors(y, vectors, derivatives, local, v):
+    """Fill v (q, 5, 3), the five vectors at all points of an element.
+
+    derivatives (q, 5, 12) of its twelve vectors, which are gathered in local (12, 3).
+    """
+    for i in range(12):
         for c in range(3):
-            s = 0.0
-            for i in range(12):
-                s += derivatives[a, i] * y[vectors[i], c]
-            v[a, c] = s
+            local[i, c] = y[vectors[i], c]
+    n = 5 * len(v)
+    np.dot(derivatives.reshape(n, 12), local, v.reshape(n, 3))
+
+
+@njit(cache=True)
+def forms(v, normal, dual, e, b):
+    """Fill unit normal, dual basis, a - I and b at a point from its vectors v (5, 3); returns J."""
     e[0] = v[0, 0] ** 2 + v[0, 1] ** 2 + v[0, 2] ** 2 - 1.0
     e[1] = v[0, 0] * v[1, 0] + v[0, 1] * v[1, 1] + v[0, 2] * v[1, 2]
     e[2] = v[1, 0] ** 2 + v[1, 1] ** 2 + v[1, 2] ** 2 - 1.0
@@ -49,32 +56,41 @@ def forms(y, vectors, derivatives, v, normal, dual, e, b):
 
 
 @njit(cache=True)
-def add_point_forces(n, w, p, vectors, out):
-    """Add the forces of a point's p (5, 3) on the element's twelve vectors, times its weight."""
+def add_element_forces(derivatives, p, vectors, local, out):
+    """Add the forces of all points' weighted p (q, 5, 3) on the element's twelve vectors.
+
+    derivatives (q, 5, 12); local (12, 3) is overwritten.
+    """
+    n = 5 * len(p)
+    np.dot(derivatives.reshape(n, 12).T, p.reshape(n, 3), local)
     for i in range(12):
         for c in range(3):
-            s = 0.0
-            for a in range(5):
-                s += n[a, i] * p[a, c]
-            out[vectors[i], c] += w * s
+            out[vectors[i], c] += local[i, c]
 
 
 @njit(cache=True)
-def vector_gradient(v, normal, dual, grad, p, christoffel):
-    """Fill p (5, 3) = dpsi/d(vectors) and christoffel (3, 2), G^g for each component of b."""
-    for c in range(3):
-        p[0, c] = 2.0 * grad[0] * v[0, c] + grad[1] * v[1, c]
-        p[1, c] = 2.0 * grad[2] * v[1, c] + grad[1] * v[0, c]
+def christoffel_symbols(v, dual, christoffel):
+    """Fill christoffel (3, 2), G^g for each component of b."""
     for k in range(3):
         for g in range(2):
-            gamma = 0.0
-            for c in range(3):
-                gamma += dual[g, c] * v[2 + k, c]
-            christoffel[k, g] = gamma
-            for c in range(3):
-                p[g, c] -= grad[3 + k] * gamma * normal[c]
-        for c in range(3):
-            p[2 + k, c] = grad[3 + k] * normal[c]
+            christoffel[k, g] = (
+                dual[g, 0] * v[2 + k, 0] + dual[g, 1] * v[2 + k, 1] + dual[g, 2] * v[2 + k, 2]
+            )
+
+
+@njit(cache=True)
+def vector_gradient(v, normal, christoffel, grad, w, p):
+    """Fill p (5, 3) = w dpsi/d(vectors)."""
+    turned = np.empty(2)
+    for g in range(2):
+        turned[g] = w * (
+            grad[3] * christoffel[0, g] + grad[4] * christoffel[1, g] + grad[5] * christoffel[2, g]
+        )
+    for c in range(3):
+        p[0, c] = w * (2.0 * grad[0] * v[0, c] + grad[1] * v[1, c]) - turned[0] * normal[c]
+        p[1, c] = w * (2.0 * grad[2] * v[1, c] + grad[1] * v[0, c]) - turned[1] * normal[c]
+        for k in range(3):
+            p[2 + k, c] = w * grad[3 + k] * normal[c]
 
 
 @njit(cache=True)

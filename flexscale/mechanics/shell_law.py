@@ -33,13 +33,17 @@ TURN, FORM, CURVATURE = range(3)  # bending measures
 @njit(cache=True)
 def thickness_stretch_squared(log_area, mu, lam):
     """y - 1 where y = lambda_3^2 solves mu (y - 1) + lambda (L + ln(y)/2) = 0, L = `log_area`."""
-    # In ln y the equation is increasing and convex, so Newton converges from any start.
+    # In ln y the equation is increasing and convex, so Newton's method converges from any start;
+    # near the root Halley's takes an error of 1e-6 to rounding.
     z = -lam * log_area / (mu + 0.5 * lam)
     for _ in range(60):
-        value = mu * np.expm1(z) + lam * (log_area + 0.5 * z)
-        step = value / (mu * np.exp(z) + 0.5 * lam)
+        growth = np.expm1(z)
+        curve = mu * (1.0 + growth)
+        step = (mu * growth + lam * (log_area + 0.5 * z)) / (curve + 0.5 * lam)
+        if abs(step) < 0.5:
+            step /= 1.0 - 0.5 * step * curve / (curve + 0.5 * lam)
         z -= step
-        if abs(step) <= 1e-16 + 1e-15 * abs(z):
+        if abs(step) <= 1e-6 * abs(z):
             break
     return np.expm1(z)
 

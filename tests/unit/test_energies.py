@@ -317,14 +317,14 @@ def test_layered_law_derivatives():
 
     def gradient(s: np.ndarray) -> np.ndarray:
         out = np.empty(6)
-        layered_law(s[:3], s[3:], MU, LAMBDA, THICKNESS, out, np.empty((0, 0)), np.empty((23, 6)))
+        layered_law(s[:3], s[3:], MU, LAMBDA, THICKNESS, out, np.empty((0, 0)), np.empty((3, 6)))
         return out
 
     def energy(s: np.ndarray) -> float:
         return sum(layered_energy(s[:3], s[3:], MU, LAMBDA, THICKNESS))
 
     hessian, s = np.empty((6, 6)), LAYERED_STATE
-    arguments = (s[:3], s[3:], MU, LAMBDA, THICKNESS, np.empty(6), hessian, np.empty((23, 6)))
+    arguments = (s[:3], s[3:], MU, LAMBDA, THICKNESS, np.empty(6), hessian, np.empty((3, 6)))
     layered_law(*arguments)
     for k, axis in enumerate(np.eye(6)):
         slope = directional_difference(lambda h, d=axis: energy(s + h * d), 1e-3)

@@ -3,8 +3,8 @@
     python benchmarks/branches.py [--output FILE]
 
 Every sample is reached five ways: along its line in steps, as sweeps do; from flat at once, with no
-samples on the way; from the sample at the next larger curvature, along the tangent there; and from
-the states of the same curvature 15 degrees to either side, turned a degree at a time. Where the
+samples on the way; from the sample at the next larger curvature, bent back; and from the states of
+the same curvature 15 degrees to either side, turned. The last three go in small steps. Where the
 sheet's strips do not buckle and scales do not slide, all of them must find the same equilibrium.
 Relative differences in energy from the first are given where they exceed 1e-6: there is more than
 one branch. Energies below the line's are marked: sweeps follow the path of a sheet bent from flat,
@@ -13,6 +13,7 @@ which need not be the lowest.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -28,9 +29,10 @@ from flexscale.status import SolveStatus
 CURVATURES = (0.002, 0.006, 0.009, 0.012, 0.015, 0.02, 0.025)
 PATTERNS = {"square": (15.0, 30.0), "hexagon": (0.0, 15.0), "chevron": (30.0, 60.0)}
 TURN = 15.0
-TURN_STEP, LEAST_TURN_STEP = 1.0 / 15.0, 1.0 / 500.0  # of the turn; halved where it fails
+STEP, LEAST_STEP = 1.0 / 15.0, 1.0 / 500.0  # of the way from a neighbor; halved where it fails
 SAME = 1e-6
 WAYS = ("from flat at once", "from the next", f"from -{TURN:g}°", f"from +{TURN:g}°")
+Way = Callable[[float], tuple[Line, float]]  # share of the way -> line and curvature there
 HEADER = "| pattern | side | direction | curvature, /mm | in contact | " + " | ".join(WAYS) + " |"
 
 OPTIONS = SolverOptions(max_iterations=150)
@@ -52,44 +54,26 @@ def cut(problem: CellProblem, line: Line, curvature: float, z: FloatArray) -> bo
     return problem.contact is not None and problem.contact.intersects(y)
 
 
-def predicted_back(
-    problem: CellProblem, line: Line, samples: list[dict], k: int
-) -> FloatArray | None:
-    """State at sample k, predicted from the one after it; that one itself where scales would cut
-    through one another."""
-    if k + 1 == len(samples) or "state" not in samples[k + 1]:
-        return None
-    z: FloatArray = samples[k + 1]["state"]
-    back = z - (CURVATURES[k + 1] - CURVATURES[k]) * samples[k + 1]["rate"]
-    return z if cut(problem, line, CURVATURES[k], back) else back
-
-
 def equilibrium_from(
-    problem: CellProblem, line: Line, curvature: float, z: FloatArray | None
+    problem: CellProblem, line: Line, curvature: float, z: FloatArray
 ) -> Solution | None:
     """The equilibrium found from a state; None if there is none to be found."""
-    if z is None:
-        return None
     start = admissible(problem, line, curvature, z)
     solution = solve_equilibrium(problem.bent(line.bend(curvature)), start, OPTIONS)
     return solution if solution.status == SolveStatus.converged else None
 
 
-def turned(
-    problem: CellProblem, other: Line, line: Line, curvature: float, z: FloatArray | None
-) -> Solution | None:
-    """Equilibrium of a line from that of another direction, followed along the turn in between.
+def followed(problem: CellProblem, way: Way, z: FloatArray | None) -> Solution | None:
+    """Equilibrium at the end of a way, followed from the one at its start; None if not reached.
 
-    The states on the way are predicted from the last two; None where it is not reached.
+    The states on the way are predicted from the last two.
     """
     if z is None:
         return None
-    turn = (line.direction - other.direction + 90.0) % 180.0 - 90.0
-    share, step, rate = 0.0, TURN_STEP, np.zeros_like(z)
-    while step >= LEAST_TURN_STEP:
+    share, step, rate = 0.0, STEP, np.zeros_like(z)
+    while step >= LEAST_STEP:
         step = min(step, 1.0 - share)
-        to = replace(line, direction=other.direction + (share + step) * turn)
-        found = equilibrium_from(problem, to, curvature, z + step * rate)
+        found = equilibrium_from(problem, *way(share + step), z + step * rate)
         if found is None:
             step *= 0.5
             continue
@@ -97,8 +81,22 @@ def turned(
         rate, z = (found.z - z) / step, found.z
         if share >= 1.0 - 1e-9:
             return found
-        step = min(2.0 * step, TURN_STEP)
+        step = min(2.0 * step, STEP)
     return None
+
+
+def turned(other: Line, line: Line, curvature: float) -> Way:
+    """From the same curvature in another direction."""
+    turn = (line.direction - other.direction + 90.0) % 180.0 - 90.0
+    return lambda share: (
+        replace(line, direction=other.direction + share * turn),
+        curvature,
+    )
+
+
+def bent_back(line: Line, start: float, curvature: float) -> Way:
+    """From a larger curvature in the same direction."""
+    return lambda share: (line, start + share * (curvature - start))
 
 
 def energy_density(problem: CellProblem, solution: Solution | None) -> float:
@@ -126,17 +124,16 @@ def compare(problem: CellProblem, name: str, side: str, direction: float) -> lis
         if sample["status"]:
             continue
         (flat,) = follow_line(problem, Line(side, direction, (curvature,)), SolverOptions())
-        back = predicted_back(problem, line, found[0], k)
-        solutions = [equilibrium_from(problem, line, curvature, back)]
-        solutions += [
-            turned(problem, other, line, curvature, samples[k].get("state"))
-            for other, samples in zip(lines[1:], found[1:], strict=True)
-        ]
+        neighbors = [(turned(other, line, curvature), samples[k])
+                     for other, samples in zip(lines[1:], found[1:], strict=True)]  # fmt: skip
+        if k + 1 < len(CURVATURES):
+            neighbors.insert(0, (bent_back(line, CURVATURES[k + 1], curvature), found[0][k + 1]))
+        solutions = [followed(problem, way, start.get("state")) for way, start in neighbors]
         energies = [flat.get("energy_density", float("nan"))]
         energies += [energy_density(problem, solution) for solution in solutions]
         cells = [shown(energy, sample["energy_density"]) for energy in energies]
-        if back is None:
-            cells[1] = ""
+        if k + 1 == len(CURVATURES):
+            cells.insert(1, "")
         touching = "yes" if sample["contact_pairs"] else "no"
         rows.append([name, side, f"{direction:g}°", f"{curvature:g}", touching, *cells])
         print("| " + " | ".join(rows[-1]) + " |", flush=True)

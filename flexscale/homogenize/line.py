@@ -28,6 +28,14 @@ _PATIENCE = 10  # iterations after which a step above that is hard
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
 
+#: Shares of the step along dz/dkappa, and of the room that scales may need, tried one by one.
+_SQUEEZES = (
+    *((1.0, stretch) for stretch in (0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0)),
+    (0.5, 1.0),
+    (0.0, 1.0),
+    (0.0, 0.0),
+)
+
 _POINT = (
     "curvature",
     "state",
@@ -300,11 +308,12 @@ def _squeeze(problem: CellProblem, line: Line, point: _Point, target: float) -> 
     """Start at `target` along dz/dkappa, all scales moved apart along the bend until none meet.
 
     By itself a scale of height h comes nearer to its neighbor by its change of curvature times h.
-    Where they meet all the same, the start is not admissible: its entries are NaN.
+    They are moved no further than needed: a start that lets go of all contact is a poor one. Where
+    they meet all the same, the start is not admissible: its entries are NaN.
     """
     span = target - point.curvature
     room = span * problem.mesh.scale_height
-    for share, stretch in ((1.0, 0.5), (1.0, 1.0), (1.0, 2.0), (0.5, 1.0), (0.0, 1.0), (0.0, 0.0)):
+    for share, stretch in _SQUEEZES:
         z = point.z + share * span * point.rate
         z = problem.embedding.stretched(z, line.bend(target).direction, stretch * room)
         if _is_free(problem, line, point, problem.bent(line.bend(target)).evaluate(z)):

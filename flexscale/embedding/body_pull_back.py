@@ -2,20 +2,22 @@
 
 The inner pull-back assembles the sheet's Hessian in the bodies' points and vectors; their
 Jacobians J then turn their rows and columns into those of the bodies' unknowns. Contact acts on
-bodies alone, and all bodies of a cell are taken to be coupled with one another: the pattern never
-changes.
+bodies alone. Bodies are coupled where the sheet or contact's reach makes them neighbors: the
+pattern has room for contact at all states, and grows only if others should ever meet.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 
 import numpy as np
 import scipy.sparse as sp
 
 from flexscale.embedding.body_map import BodyMap, BodySecondOrder, BodyWorld
 from flexscale.embedding.pull_back import PairBlocks, PullBack
-from flexscale.mechanics.energy import NOTHING, FloatArray, IntArray, PairEnergy
+from flexscale.mechanics.contact import ScaleContact
+from flexscale.mechanics.energy import NOTHING, FloatArray, IntArray
 
 
 class BodyPullBack:
@@ -34,7 +36,7 @@ class BodyPullBack:
         body_map: BodyMap,
         inner: PullBack,
         active: IntArray,
-        contact: PairEnergy | None = None,
+        contact: ScaleContact | None = None,
     ) -> None:
         self.map, self.inner, self.contact = body_map, inner, contact
         self.n_active = len(active)
@@ -43,6 +45,11 @@ class BodyPullBack:
         self._n_points = 3 * int(body_map.point_starts[-1])
         self._n_bodies = int(body_map.starts[-1])
         self._split_inner()
+        coupled = {(k, j) for k, j, _ in self._point_blocks}
+        if contact is not None:
+            coupled |= {(k, j) for k, j in contact.surface.neighbors.tolist()}
+        own = {(k, k) for k in range(len(body_map.bodies))}
+        self._neighbors: dict[tuple[int, int], None] = dict.fromkeys(sorted(coupled | own))
         self._build_pattern()
 
     def _split_inner(self) -> None:
@@ -81,29 +88,36 @@ class BodyPullBack:
     def _build_pattern(self) -> None:
         """CSR pattern of the upper triangle, and where each part's values go in it."""
         n_bodies, n = self._n_bodies, self.map.n_unknowns
-        bodies = np.arange(n_bodies)
         stretch = np.arange(n - 3, n)
-        dense = np.concatenate([bodies, stretch])
-        pairs = [_all_pairs(dense, dense)]
-        self._sheet_rows = []
-        for k, (used, _) in enumerate(self._couplings):
-            own = np.arange(self.map.starts[k], self.map.starts[k + 1])
-            self._sheet_rows.append(_all_pairs(n_bodies + used, own))
-        pairs += [*self._sheet_rows, np.stack(self._sheet_pairs) + n_bodies]
-        low_high = [self._ordered(part) for part in pairs]
+        own = [np.arange(a, b) for a, b in itertools.pairwise(self.map.starts)]
+        parts = {(k, j): _all_pairs(own[k], own[j]) for k, j in self._neighbors}
+        borders = [_all_pairs(own[k], stretch) for k in range(len(own))]
+        sheet_rows = [
+            _all_pairs(n_bodies + used, own[k]) for k, (used, _) in enumerate(self._couplings)
+        ]
+        sheet = np.stack(self._sheet_pairs) + n_bodies
+        corner = _all_pairs(stretch, stretch)
+        everything = [*parts.values(), *borders, corner, *sheet_rows, sheet]
+        low_high = [self._ordered(part) for part in everything]
         keys = np.concatenate([p[0] * self.n_active + p[1] for p in low_high])
         kept = np.concatenate([p[2] for p in low_high])
         diagonal = np.arange(self.n_active) * (self.n_active + 1)
         unique = np.unique(np.concatenate([keys[kept], diagonal]))
         self.indptr = np.searchsorted(unique, np.arange(self.n_active + 1) * self.n_active)
         self.indices = unique % self.n_active
-        self._dense, self._unique = dense, unique
         slots = [np.where(p[2], np.searchsorted(unique, p[0] * self.n_active + p[1]), len(unique))
                  for p in low_high]  # fmt: skip
-        self._dense_slots = slots[0].reshape(len(dense), len(dense))
-        # The whole square is summed up: its lower half goes to the slot that is dropped.
-        self._dense_slots[np.tril_indices(len(dense), -1)] = len(unique)
-        self._row_slots = slots[1:-1]
+        self._block_slots = {}
+        for (k, j), block in zip(parts, slots, strict=False):
+            square = block.reshape(len(own[k]), len(own[j]))
+            if k == j:  # the whole square is summed up: its lower half goes to the slot dropped
+                square[np.tril_indices(len(square), -1)] = len(unique)
+            self._block_slots[k, j] = square
+        slots = slots[len(parts) :]
+        self._border_slots = [block.reshape(-1, 3) for block in slots[: len(own)]]
+        self._stretch_slots = slots[len(own)].reshape(3, 3)
+        self._stretch_slots[np.tril_indices(3, -1)] = len(unique)
+        self._row_slots = slots[len(own) + 1 : -1]
         self._sheet_slots = slots[-1]
 
     def _ordered(self, pairs: IntArray) -> tuple[IntArray, IntArray, np.ndarray]:
@@ -117,8 +131,17 @@ class BodyPullBack:
         return self.indptr[:-1].astype(np.int64)
 
     def cover(self, y: FloatArray) -> bool:
-        """There is room for contact at all states."""
-        return False
+        """Make room for bodies that meet and are no neighbors; True if the pattern grew."""
+        if self.contact is None:
+            return False
+        pairs, _ = self.contact.pair_blocks(y)
+        owners = np.sort(self._owners(pairs), axis=1)
+        meeting = {(int(k), int(j)) for k, j in np.unique(owners, axis=0)}
+        if meeting <= self._neighbors.keys():
+            return False
+        self._neighbors |= dict.fromkeys(sorted(meeting))
+        self._build_pattern()
+        return True
 
     def fit_room(self, y: FloatArray) -> bool:
         """There is room for contact at all states."""
@@ -147,61 +170,62 @@ class BodyPullBack:
         inner = self.inner.hessian(world.inner, on_elements, forces, second.inner)
         values = np.zeros(len(self.indices) + 1)
         values[self._sheet_slots] = inner[self._sheet_entries]
-        dense = np.zeros((len(self._dense),) * 2)
-        for k, block in enumerate(second.blocks):
-            own = slice(self.map.starts[k], self.map.starts[k + 1])
-            dense[own, own] += block
+        parts = _Parts(self.map.starts, self._neighbors)
+        for k, own in enumerate(second.blocks):
+            parts.blocks[k, k] += own
         jacobians = world.bodies.jacobians
         for k, j, pattern in self._point_blocks:
-            block = _fill(pattern, inner) @ jacobians[j]
-            self._add(dense, k, j, jacobians[k].T @ block)
+            parts.blocks[k, j] += jacobians[k].T @ (_fill(pattern, inner) @ jacobians[j])
         for k, (_, pattern) in enumerate(self._couplings):
             values[self._row_slots[k]] += (_fill(pattern, inner) @ jacobians[k]).ravel()
-        self._add_contact(dense, world, blocks.pairs[n:], blocks.blocks[n:])
-        # One entry of the square for each slot, but for those of S with S, which the sheet has too.
-        values[self._dense_slots.ravel()] += dense.ravel()
+        self._add_contact(parts, world, blocks.pairs[n:], blocks.blocks[n:])
+        # One entry of a block for each slot, but for those of S, which the sheet has too.
+        for key, block in parts.blocks.items():
+            values[self._block_slots[key]] += block
+        for slots, block in zip(self._border_slots, parts.borders, strict=True):
+            values[slots] += block
+        values[self._stretch_slots] += parts.stretch
         return values[:-1]
 
-    def _add(self, dense: FloatArray, k: int, j: int, block: FloatArray) -> None:
-        first = slice(self.map.starts[k], self.map.starts[k + 1])
-        second = slice(self.map.starts[j], self.map.starts[j + 1])
-        dense[first, second] += block
-        if k != j:
-            dense[second, first] += block.T
-
     def _add_contact(
-        self, dense: FloatArray, world: BodyWorld, pairs: IntArray, blocks: FloatArray
+        self, parts: _Parts, world: BodyWorld, pairs: IntArray, blocks: FloatArray
     ) -> None:
-        """Pull the blocks of touching rows back to the bodies and S."""
+        """Pull the blocks of touching rows back to the bodies and S, two bodies at a time."""
         if not len(pairs):
             return
-        rows, local = np.unique(pairs, return_inverse=True)
-        local = local.reshape(-1, 2)
-        jacobian = self._row_jacobian(world, rows)
-        off = local[:, 0] != local[:, 1]
-        index = np.concatenate([local, local[off][:, ::-1]])
+        off = pairs[:, 0] != pairs[:, 1]
+        index = np.concatenate([pairs, pairs[off][:, ::-1]])
         data = np.concatenate([blocks, np.swapaxes(blocks[off], 1, 2)])
-        order = np.lexsort((index[:, 1], index[:, 0]))
-        indptr = np.searchsorted(index[order, 0], np.arange(len(rows) + 1))
-        matrix = sp.bsr_array(
-            (data[order], index[order, 1], indptr), shape=(3 * len(rows), 3 * len(rows))
-        )
-        dense += jacobian.T @ (matrix @ jacobian)
+        owners = self._owners(index)
+        for k, j in np.unique(owners[owners[:, 0] <= owners[:, 1]], axis=0).tolist():
+            here = np.all(owners == (k, j), axis=1)
+            first, row = np.unique(index[here, 0], return_inverse=True)
+            second, column = np.unique(index[here, 1], return_inverse=True)
+            order = np.lexsort((column, row))
+            indptr = np.searchsorted(row[order], np.arange(len(first) + 1))
+            matrix = sp.bsr_array(
+                (data[here][order], column[order], indptr),
+                shape=(3 * len(first), 3 * len(second)),
+            )
+            left = self._row_jacobian(world, first, k)
+            right = left if k == j else self._row_jacobian(world, second, j)
+            parts.add(k, j, left.T @ (matrix @ right))
 
-    def _row_jacobian(self, world: BodyWorld, rows: IntArray) -> FloatArray:
-        """(3 n, n_bodies + 3) of rows that are images of single points: dy/d(bodies, S)."""
-        inner, n_bodies = self.map.inner, self._n_bodies
+    def _owners(self, rows: IntArray) -> IntArray:
+        """Bodies of rows that are images of single points."""
+        inner = self.map.inner
+        points = inner.images.nodes[inner.terms[inner.term_indptr[rows]]] // 3
+        found = np.searchsorted(self.map.point_starts, points, side="right") - 1
+        return np.asarray(found, dtype=np.int64)
+
+    def _row_jacobian(self, world: BodyWorld, rows: IntArray, k: int) -> FloatArray:
+        """(3 n, n_k + 3) of rows that are images of points of body k: dy/d(its unknowns, S)."""
+        inner, body = self.map.inner, self.map.bodies[k]
         images = inner.terms[inner.term_indptr[rows]]
-        points = inner.images.nodes[images] // 3
-        jacobian = np.zeros((len(rows), 3, n_bodies + 3))
-        jacobian[:, :, n_bodies:] = world.inner.image_jacobian[images, :, 3:]
-        home = world.inner.image_jacobian[images, :, :3]
-        owner = np.searchsorted(self.map.point_starts, points, side="right") - 1
-        for k in np.unique(owner):
-            mine = np.flatnonzero(owner == k)
-            own = slice(self.map.starts[k], self.map.starts[k + 1])
-            whole = world.bodies.jacobians[k].reshape(-1, 3, self.map.bodies[k].n_unknowns)
-            jacobian[mine, :, own] = home[mine] @ whole[points[mine] - self.map.point_starts[k]]
+        points = inner.images.nodes[images] // 3 - self.map.point_starts[k]
+        whole = world.bodies.jacobians[k].reshape(-1, 3, body.n_unknowns)
+        image = world.inner.image_jacobian[images]
+        jacobian = np.concatenate([image[:, :, :3] @ whole[points], image[:, :, 3:]], axis=2)
         return jacobian.reshape(3 * len(rows), -1)
 
     def kappa_rate(
@@ -213,6 +237,32 @@ class BodyPullBack:
         for start, mixed in zip(self.map.starts[:-1], second.mixed, strict=True):
             out[start : start + len(mixed)] += mixed
         return out
+
+
+class _Parts:
+    """Blocks of the Hessian among the bodies and S; those of k <= j, and whole squares for k = j.
+
+    Attributes
+    ----------
+    blocks : (n_k, n_j) of neighbors k, j.
+    borders : (n_k, 3) of each body with S.
+    stretch : (3, 3) of S with S.
+    """
+
+    def __init__(self, starts: IntArray, neighbors: Iterable[tuple[int, int]]) -> None:
+        sizes = np.diff(starts)
+        self.blocks = {(k, j): np.zeros((sizes[k], sizes[j])) for k, j in neighbors}
+        self.borders = [np.zeros((size, 3)) for size in sizes]
+        self.stretch = np.zeros((3, 3))
+
+    def add(self, k: int, j: int, pulled: FloatArray) -> None:
+        """Add what the rows of bodies k and j contribute, (n_k + 3, n_j + 3), k <= j."""
+        self.blocks[k, j] += pulled[:-3, :-3]
+        self.borders[k] += pulled[:-3, -3:]
+        self.stretch += pulled[-3:, -3:]
+        if k != j:
+            self.borders[j] += pulled[-3:, :-3].T
+            self.stretch += pulled[-3:, -3:].T
 
 
 def _all_pairs(first: IntArray, second: IntArray) -> IntArray:

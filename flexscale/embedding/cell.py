@@ -19,7 +19,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 import scipy.sparse as sp
 
-from flexscale.embedding.contact_surface import find_surface, surface_rest
+from flexscale.embedding.contact_surface import find_surface, near_scales, surface_rest
 from flexscale.embedding.curvature_map import POSITION
 from flexscale.embedding.rows import FREE_ROW, Rows
 from flexscale.embedding.scale_nodes import PointNodes, ScaleNodes, TetNodes
@@ -164,14 +164,16 @@ class CellEmbedding(ABC):
                 key = (int(spread.indices[entry]), *offset)
                 columns[entry] = used.setdefault(key, len(used))
         shape = (len(surface.vertices), len(used))
+        rest = surface_rest(self.mesh, touching.positions, surface)
         return ContactSurface(
             np.array([self._scale_row(rows, *key) for key in used]),
             sp.csr_array((spread.data, columns, spread.indptr), shape=shape),
             touching.vertices[surface.vertices],
-            surface_rest(self.mesh, touching.positions, surface),
+            rest,
             surface.triangles,
             surface.bodies,
             surface.n_home,
+            near_scales(self.mesh, rest, surface),
         )
 
     def _scale_row(self, rows: Rows, node: int, m: int, n: int) -> int:

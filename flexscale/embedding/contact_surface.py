@@ -34,6 +34,7 @@ class SurfaceVertices:
     vertices : (n,) vertices of the scales' surface.
     offsets : (n, 2) lattice offsets; (0, 0) first, then images.
     bodies : (n,) whole scale each belongs to; images are bodies of their own.
+    scales : (n,) scale of the cell that each is of, or of an image of.
     triangles : (n_triangles, 3) entries of `vertices`.
     n_home : number of vertices at offset (0, 0).
     """
@@ -41,6 +42,7 @@ class SurfaceVertices:
     vertices: IntArray
     offsets: IntArray
     bodies: IntArray
+    scales: IntArray
     triangles: IntArray
     n_home: int
 
@@ -55,7 +57,7 @@ def find_surface(
     Of an image at L and one at -L only the first is taken (L lexicographically positive), so that
     each unordered pair of scales of the periodic pattern is met once.
     """
-    reach = REACH * np.sqrt(mesh.cell_area / mesh.n_scales)
+    reach = _reach(mesh)
     home_points = positions[np.unique(triangles)]
     tree = cKDTree(np.unique(np.round(home_points[:, :2], 9), axis=0))
     parts = [(triangles, scales, np.zeros(2, dtype=np.int64))]
@@ -71,7 +73,7 @@ def find_surface(
 
 
 def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices:
-    vertices, offsets, bodies, triangles = [], [], [], []
+    vertices, offsets, bodies, homes, triangles = [], [], [], [], []
     start = body = 0
     for faces, scales, offset in parts:
         used, local = np.unique(faces, return_inverse=True)
@@ -81,6 +83,7 @@ def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices
         vertices.append(used)
         offsets.append(np.broadcast_to(offset, (len(used), 2)))
         bodies.append(body + number)
+        homes.append(owner)
         triangles.append(start + local.reshape(-1, 3))
         start += len(used)
         body += int(number.max()) + 1
@@ -88,9 +91,27 @@ def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices
         np.concatenate(vertices),
         np.concatenate(offsets),
         np.concatenate(bodies),
+        np.concatenate(homes),
         np.concatenate(triangles),
         len(vertices[0]),
     )
+
+
+def _reach(mesh: PeriodicMesh) -> float:
+    return float(REACH * np.sqrt(mesh.cell_area / mesh.n_scales))
+
+
+def near_scales(mesh: PeriodicMesh, rest: FloatArray, surface: SurfaceVertices) -> IntArray:
+    """(n, 2) scales k <= j of which one is within reach of the other, or of an image of it.
+
+    rest : (n_vertices, 3) of the surface's vertices, mm.
+    """
+    ground = np.column_stack([surface.bodies, surface.scales, np.round(rest[:, :2], 9)])
+    ground = np.unique(ground, axis=0)  # one of all vertices above one another
+    pairs = cKDTree(ground[:, 2:]).query_pairs(_reach(mesh), output_type="ndarray")
+    first, second = ground[pairs[:, 0]], ground[pairs[:, 1]]
+    scales = np.stack([first[:, 1], second[:, 1]], axis=1)[first[:, 0] != second[:, 0]]
+    return np.unique(np.sort(scales, axis=1), axis=0).astype(np.int64)
 
 
 def surface_rest(mesh: PeriodicMesh, positions: FloatArray, surface: SurfaceVertices) -> FloatArray:

@@ -44,6 +44,7 @@ class ContactSurface:
     triangles : (n_triangles, 3) vertices of this surface, outward.
     bodies : (n,) whole scale that a vertex belongs to; images are bodies of their own.
     n_home : vertices of home scales, they come first; images do not collide with one another.
+    neighbors : (n, 2) home scales k <= j that are near one another, images included.
     """
 
     rows: IntArray
@@ -53,6 +54,7 @@ class ContactSurface:
     triangles: IntArray
     bodies: IntArray
     n_home: int
+    neighbors: IntArray
 
 
 class ScaleContact:

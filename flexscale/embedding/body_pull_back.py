@@ -130,6 +130,19 @@ class BodyPullBack:
         """(n_active,) slots of the diagonal."""
         return self.indptr[:-1].astype(np.int64)
 
+    @property
+    def groups(self) -> IntArray:
+        """(n_active,) body of each unknown, -1 for the sheet's; S is a group of its own, the last
+        one."""
+        owner = np.full(self.map.n_unknowns, -1, dtype=np.int64)
+        n_bodies = len(self.map.bodies)
+        owner[: self._n_bodies] = np.repeat(np.arange(n_bodies), np.diff(self.map.starts))
+        owner[-3:] = n_bodies
+        found = np.empty(self.n_active, dtype=np.int64)
+        used = self._position >= 0
+        found[self._position[used]] = owner[used]
+        return found
+
     def cover(self, y: FloatArray) -> bool:
         """Make room for bodies that meet and are no neighbors; True if the pattern grew."""
         if self.contact is None:

@@ -31,6 +31,7 @@ from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import NeoHookean, Pattern
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import build_factorization
+from flexscale.solve.ordering import grouped_order
 
 
 def plate_stiffness(material: NeoHookean, thickness: float) -> float:
@@ -250,9 +251,9 @@ class CellProblem:
 
     def build_system(self) -> None:
         """Analyze the present pattern of nonzeros."""
-        factorization = build_factorization(
-            self.pull_back.indptr, self.pull_back.indices, self.model.linear_solver
-        )
+        pattern = (self.pull_back.indptr, self.pull_back.indices)
+        order = grouped_order(*pattern, self.pull_back.groups) if self.bodies else None
+        factorization = build_factorization(*pattern, self.model.linear_solver, order)
         self.system = ConstrainedSystem(
             factorization,
             self.pull_back.diagonal,

@@ -41,7 +41,7 @@ class PardisoFactorization:
 
     name = "pardiso"
 
-    def __init__(self, indptr: IntArray, indices: IntArray) -> None:
+    def __init__(self, indptr: IntArray, indices: IntArray, order: IntArray | None = None) -> None:
         # Same recipe, same bits: must be set before MKL is loaded.
         os.environ.setdefault("MKL_CBWR", "AVX2")
         try:
@@ -64,6 +64,10 @@ class PardisoFactorization:
         self._indptr = np.ascontiguousarray(indptr, dtype=np.int32)
         self._indices = np.ascontiguousarray(indices, dtype=np.int32)
         self._nothing = np.zeros((n, 1), order="F")
+        self._order = np.zeros(n, dtype=np.int32)
+        if order is not None:
+            self._order[:] = order
+            self._solver.set_iparm(5, 1)
         self._call(11, self._nothing)
 
     def _call(self, phase: int, right_hand_sides: FloatArray) -> FloatArray:
@@ -76,7 +80,7 @@ class PardisoFactorization:
             _address(self._values, ctypes.c_double),
             _address(self._indptr, number),
             _address(self._indices, number),
-            _address(solver.perm, number),
+            _address(self._order, number),
             ctypes.byref(number(right_hand_sides.shape[1])),
             _address(solver.iparm, number),
             ctypes.byref(number(0)),
@@ -107,11 +111,13 @@ class PardisoFactorization:
 
 
 class SuperLuFactorization:
-    """scipy's SuperLU in symmetric mode; the signs of its pivots give the inertia."""
+    """scipy's SuperLU in symmetric mode, in its own order; the signs of its pivots give the
+    inertia.
+    """
 
     name = "superlu"
 
-    def __init__(self, indptr: IntArray, indices: IntArray) -> None:
+    def __init__(self, indptr: IntArray, indices: IntArray, order: IntArray | None = None) -> None:
         n = len(indptr) - 1
         upper = sp.csr_array((np.arange(1.0, len(indices) + 1.0), indices, indptr), shape=(n, n))
         full = sp.csc_array(upper + sp.triu(upper, 1).T)
@@ -177,6 +183,12 @@ def available_linear_solver(name: str = "auto") -> str:
     return name
 
 
-def build_factorization(indptr: IntArray, indices: IntArray, name: str = "auto") -> Factorization:
-    """Analyze a pattern (CSR of the upper triangle, diagonal included) with the named backend."""
-    return _BACKENDS[available_linear_solver(name)](indptr, indices)
+def build_factorization(
+    indptr: IntArray, indices: IntArray, name: str = "auto", order: IntArray | None = None
+) -> Factorization:
+    """Analyze a pattern (CSR of the upper triangle, diagonal included) with the named backend.
+
+    `order` (n,) is the unknown to eliminate at each place; by default the backend seeks one of
+    little fill.
+    """
+    return _BACKENDS[available_linear_solver(name)](indptr, indices, order)

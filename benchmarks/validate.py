@@ -89,6 +89,8 @@ ALL = (
     Page("never_stuck", reads_sweeps=True),
     Page("quickstart_states"),
     Page("newton_iteration"),
+    Page("solver_speed"),
+    Page("supercells"),
     Page("fit_errors", (*CELL, "macro"), reads_sweeps=True),
     Page("fitted_sheet", (*CELL, "macro"), reads_sweeps=True),
     Page("macro_shell", SHEET),

@@ -3,9 +3,9 @@
     python benchmarks/supercells.py [--output FILE]
 
 Cells of 1, 4, 16 and 64 hexagons at the default mesh, bent to the same curvatures, before contact
-and in contact (the largest before contact only): set-up, one Newton iteration with its parts, a whole
-sample, memory. Energies per area must agree, which they do to the solver's tolerance. One thread,
-one process a cell.
+and in contact (the largest before contact only): set-up, one Newton iteration with its parts, a
+whole sample, memory. Energies per area must agree, which they do to the solver's tolerance. One
+thread, one process a cell.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ class BodyPullBack:
         if contact is not None:
             coupled |= {(k, j) for k, j in contact.surface.neighbors.tolist()}
         own = {(k, k) for k in range(len(body_map.bodies))}
-        self._neighbors: dict[tuple[int, int], None] = dict.fromkeys(sorted(coupled | own))
+        self._neighbors = coupled | own
         self._build_pattern()
 
     def _split_inner(self) -> None:
@@ -90,7 +90,7 @@ class BodyPullBack:
         n_bodies, n = self._n_bodies, self.map.n_unknowns
         stretch = np.arange(n - 3, n)
         own = [np.arange(a, b) for a, b in itertools.pairwise(self.map.starts)]
-        parts = {(k, j): _all_pairs(own[k], own[j]) for k, j in self._neighbors}
+        parts = {(k, j): _all_pairs(own[k], own[j]) for k, j in sorted(self._neighbors)}
         borders = [_all_pairs(own[k], stretch) for k in range(len(own))]
         sheet_rows = [
             _all_pairs(n_bodies + used, own[k]) for k, (used, _) in enumerate(self._couplings)
@@ -145,14 +145,15 @@ class BodyPullBack:
 
     def cover(self, y: FloatArray) -> bool:
         """Make room for bodies that meet and are no neighbors; True if the pattern grew."""
-        if self.contact is None:
+        n = len(self.map.bodies)
+        if self.contact is None or 2 * len(self._neighbors) == n * (n + 1):  # all are coupled
             return False
         pairs, _ = self.contact.pair_blocks(y)
         owners = np.sort(self._owners(pairs), axis=1)
         meeting = {(int(k), int(j)) for k, j in np.unique(owners, axis=0)}
-        if meeting <= self._neighbors.keys():
+        if meeting <= self._neighbors:
             return False
-        self._neighbors |= dict.fromkeys(sorted(meeting))
+        self._neighbors |= meeting
         self._build_pattern()
         return True
 

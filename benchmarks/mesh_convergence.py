@@ -7,7 +7,7 @@ sheet, at 0.002 /mm (before contact), 0.015 and 0.025 /mm. One knob at a time is
 two thirds of the size, the others stay at their default; and all of them together. What is done is
 kept in results/reference/benchmarks/mesh_convergence.json and not done again; tables (.md) and a
 figure (.png) are made from it. Tiles with sharp corners (chevrons, arrowheads) are not meshed in
-strips, and `across` does nothing there.
+strips: there `across` bounds the elements near the scales' tips.
 
 From the values at the three sizes follow the observed rate p of v0 + c h^p, where the differences
 have one sign, and for p > 0.8 the Richardson limit v0; the error of the default is its distance

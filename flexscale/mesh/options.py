@@ -15,7 +15,8 @@ class MeshOptions:
 
     Attributes
     ----------
-    across : elements across the whole gap, even: each tile owns half a gap.
+    across : elements across the whole gap, even: each tile owns half a gap. Where tiles are too
+        sharp for rows of elements along the gap, it bounds the elements near the scales' tips.
     along : mm, largest element along the gap.
     corner : mm, size along the gap at tiling vertices.
     growth : ratio of neighboring sizes along the gap, away from the vertices, at least 1.

@@ -1,8 +1,8 @@
 """Where the nodes lie along a polygon: small at corners, growing geometrically to the middle.
 
 A chain is what lies between two sharp corners: a straight edge, or a curve of many. Sizes along it
-depend on nothing but the lengths of its edges and the sharpness of its ends, and reversing a chain
-reverses them. So both tiles of a chain agree on its nodes, and so do all chains that a symmetry of
+depend on the lengths of its edges, the sharpness of its ends and what holds for the whole pattern,
+and reversing a chain reverses them. So both tiles of a chain agree on its nodes, and so do all chains that a symmetry of
 the pattern exchanges. Every corner of the polygon is a node; so is the middle of an edge that lies
 in the middle of its chain, where a mirror may cross it.
 """
@@ -23,6 +23,26 @@ BoolArray = NDArray[np.bool_]
 
 ROUNDING = 1e-6  # relative: lengths that differ by rounding must give the same number of elements
 STRAIGHT = 1e-5  # radians: a polygon counts as straight where it turns less
+
+
+@dataclass(frozen=True)
+class TipSizes:
+    """Small elements from sharp corners of the tiles to past the tips of their scales.
+
+    A scale's tip lies further from the tiling vertex the sharper it is, and what it faces must not
+    be coarse: there the sheet is strained most.
+
+    Attributes
+    ----------
+    reach : mm along the gap from a sharp corner.
+    largest : mm, size of elements up to there.
+    """
+
+    reach: float = 0.0
+    largest: float = np.inf
+
+
+NO_TIPS = TipSizes()
 
 
 @dataclass(frozen=True)
@@ -57,7 +77,9 @@ def turns(polygon: FloatArray) -> BoolArray:
     return np.abs(turning_angles(polygon)) > STRAIGHT
 
 
-def subdivide_loop(polygon: FloatArray, sharp: BoolArray, options: MeshOptions) -> LoopNodes:
+def subdivide_loop(
+    polygon: FloatArray, sharp: BoolArray, options: MeshOptions, tips: TipSizes = NO_TIPS
+) -> LoopNodes:
     """Nodes around a polygon (n, 2), mm, with sharp corners (n,).
 
     Without any sharp corner, every edge is its own chain.
@@ -66,7 +88,7 @@ def subdivide_loop(polygon: FloatArray, sharp: BoolArray, options: MeshOptions) 
     lengths = np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1)
     starts = np.flatnonzero(sharp) if sharp.any() else np.arange(n)
     members = np.split(np.roll(np.arange(n), -starts[0]), starts[1:] - starts[0])
-    chains = [subdivide_chain(lengths[edges], bool(sharp.any()), options) for edges in members]
+    chains = [subdivide_chain(lengths[m], bool(sharp.any()), options, tips) for m in members]
     counts = [len(chain.edge) for chain in chains]
     first = np.concatenate([[0], np.cumsum(counts)])
     nodes = LoopNodes(
@@ -79,7 +101,9 @@ def subdivide_loop(polygon: FloatArray, sharp: BoolArray, options: MeshOptions) 
     return LoopNodes(nodes.edge, nodes.fraction, nodes.along, np.unique(wished))
 
 
-def subdivide_chain(lengths: FloatArray, sharp: bool, options: MeshOptions) -> LoopNodes:
+def subdivide_chain(
+    lengths: FloatArray, sharp: bool, options: MeshOptions, tips: TipSizes = NO_TIPS
+) -> LoopNodes:
     """Nodes along a chain of edges (n,), mm, with two sharp ends or two smooth ones.
 
     Returns
@@ -88,7 +112,7 @@ def subdivide_chain(lengths: FloatArray, sharp: bool, options: MeshOptions) -> L
     wished for, both ends among them.
     """
     total = float(lengths.sum())
-    knots = _wished_nodes(0.5 * total, sharp, options)
+    knots = _wished_nodes(0.5 * total, sharp, options, tips)
     count = np.arange(len(knots))
     ends = np.concatenate([[0.0], np.cumsum(lengths) / total])
     ends[-1] = 1.0
@@ -117,7 +141,9 @@ def in_first_half(along: FloatArray) -> BoolArray:
     return 0.5 * (along + np.where(ahead > along, ahead, 1.0)) < 0.5
 
 
-def graded_lengths(total: float, first: float, growth: float, largest: float) -> FloatArray:
+def graded_lengths(
+    total: float, first: float, growth: float, largest: float, tips: TipSizes = NO_TIPS
+) -> FloatArray:
     """Element lengths from `first` on, growing by `growth` to `largest`, that add up to `total`.
 
     Returns
@@ -127,15 +153,17 @@ def graded_lengths(total: float, first: float, growth: float, largest: float) ->
     wishes = [min(first, largest)]
     reached = wishes[0]
     while reached < total * (1.0 - ROUNDING):
-        wishes.append(min(wishes[-1] * growth, largest))
+        limit = min(largest, tips.largest) if reached < tips.reach - ROUNDING * total else largest
+        wishes.append(min(wishes[-1] * growth, max(limit, first)))
         reached += wishes[-1]
     return np.array(wishes) * (total / reached)
 
 
-def _wished_nodes(half: float, sharp: bool, options: MeshOptions) -> FloatArray:
+def _wished_nodes(half: float, sharp: bool, options: MeshOptions, tips: TipSizes) -> FloatArray:
     """Nodes from 0 to 1 along a chain without corners, alike from both ends."""
     first = min(options.corner, options.along) if sharp else options.along
-    lengths = graded_lengths(half, first, options.growth, options.along)
+    near = tips if sharp else NO_TIPS
+    lengths = graded_lengths(half, first, options.growth, options.along, near)
     nodes = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
     nodes[-1] = 1.0
     return np.concatenate([0.5 * nodes, 1.0 - 0.5 * nodes[-2::-1]])

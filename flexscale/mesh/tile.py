@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,11 +15,18 @@ from flexscale.mesh.prototile import Filling, fill_region
 from flexscale.mesh.quality import triangle_qualities
 from flexscale.mesh.scale_base import Row, build_base
 from flexscale.mesh.strip import Ring, build_strips
-from flexscale.mesh.subdivision import LoopNodes, in_first_half, subdivide_loop, turns
+from flexscale.mesh.subdivision import (
+    NO_TIPS,
+    LoopNodes,
+    TipSizes,
+    in_first_half,
+    subdivide_loop,
+    turns,
+)
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns import Prototile
 from flexscale.patterns.cell import SHARP_TURN, turning_angles
-from flexscale.patterns.outlines import mitre_points
+from flexscale.patterns.outlines import MITRE_LIMIT, mitre_points
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -56,16 +64,34 @@ class TileMesh:
     tets: IntArray
 
 
+def find_tip_sizes(prototiles: Sequence[Prototile], gap: float, options: MeshOptions) -> TipSizes:
+    """Sizes along all chains of a pattern: tiles that share one must agree.
+
+    Where strips would shear, elements grow no larger than those that `across` asks for until one
+    gap past the sharpest tip of a scale. Nodes of strips face each other anyway.
+    """
+    free = [tile for tile in prototiles if _inset_for_strips(tile, gap, options) is None]
+    mitres = [0.5 * gap * _mitre(tile) for tile in free]
+    if not mitres:
+        return NO_TIPS
+    return TipSizes(max(mitres) + gap, 2.0 * gap / options.across)
+
+
 def build_tile_mesh(
-    prototile: Prototile, gap: float, scale_height: float, options: MeshOptions
+    prototile: Prototile,
+    gap: float,
+    scale_height: float,
+    options: MeshOptions,
+    tips: TipSizes = NO_TIPS,
 ) -> TileMesh:
     """Mesh a prototile with all the symmetry it has.
 
     Parameters
     ----------
     gap, scale_height : mm.
+    tips : of the whole pattern, from `find_tip_sizes`.
     """
-    ring = _build_ring(prototile, gap, options)
+    ring = _build_ring(prototile, gap, options, tips)
     outline = ring.points[ring.outline_nodes]
     center = prototile.polygon.mean(axis=0)
     region = make_region([outline], prototile.stabiliser, center, True)
@@ -88,13 +114,27 @@ def layer_heights(scale_height: float, options: MeshOptions) -> FloatArray:
     return heights
 
 
-def _build_ring(prototile: Prototile, gap: float, options: MeshOptions) -> Ring:
-    nodes = subdivide_loop(prototile.polygon, prototile.sharp, options)
-    outer = nodes.points(prototile.polygon)
-    inset = mitre_points(prototile.polygon, 0.5 * gap)
-    if inset is None or _strips_shear(prototile, nodes, inset, gap, options):
-        return _free_ring(prototile, outer, gap, options)
+def _mitre(prototile: Prototile) -> float:
+    """How far along a tile's edge its scale's sharpest tip lies, in units of half the gap."""
+    sharpest = turning_angles(prototile.polygon)[prototile.sharp].max(initial=0.0)
+    return float(min(np.tan(0.5 * sharpest), MITRE_LIMIT))
+
+
+def _build_ring(prototile: Prototile, gap: float, options: MeshOptions, tips: TipSizes) -> Ring:
+    nodes = subdivide_loop(prototile.polygon, prototile.sharp, options, tips)
+    inset = _inset_for_strips(prototile, gap, options)
+    if inset is None:
+        return _free_ring(prototile, nodes.points(prototile.polygon), gap, options, tips)
     return build_strips(prototile.polygon, inset, nodes, options)
+
+
+def _inset_for_strips(prototile: Prototile, gap: float, options: MeshOptions) -> FloatArray | None:
+    """Corners of the outline, one for one with the tile's; None if strips lose edges or shear."""
+    inset = mitre_points(prototile.polygon, 0.5 * gap)
+    if inset is None:
+        return None
+    nodes = subdivide_loop(prototile.polygon, prototile.sharp, options)
+    return None if _strips_shear(prototile, nodes, inset, gap, options) else inset
 
 
 def _strips_shear(
@@ -109,12 +149,14 @@ def _strips_shear(
     worst = triangle_qualities(strips.points, strips.triangles).min()
     if worst > GOOD:
         return False
-    free = _free_ring(prototile, nodes.points(prototile.polygon), gap, single)
+    free = _free_ring(prototile, nodes.points(prototile.polygon), gap, single, NO_TIPS)
     best = triangle_qualities(free.points, free.triangles).min()
     return bool(best > CLEARLY_BETTER * worst)
 
 
-def _free_ring(prototile: Prototile, outer: FloatArray, gap: float, options: MeshOptions) -> Ring:
+def _free_ring(
+    prototile: Prototile, outer: FloatArray, gap: float, options: MeshOptions, tips: TipSizes
+) -> Ring:
     """Ring triangulated by gmsh, with nodes of its own along the scale's outline.
 
     For a tile with edges that the outline has lost, or with sharp corners, where strips shear.
@@ -126,7 +168,7 @@ def _free_ring(prototile: Prototile, outer: FloatArray, gap: float, options: Mes
     outer : (n, 2) nodes on the tile's polygon, mm.
     """
     outline = prototile.outline
-    nodes = subdivide_loop(outline, np.abs(turning_angles(outline)) > SHARP_TURN, options)
+    nodes = subdivide_loop(outline, np.abs(turning_angles(outline)) > SHARP_TURN, options, tips)
     inner = nodes.points(outline)
     region = make_region(
         [outer, inner[::-1]], prototile.stabiliser, prototile.polygon.mean(axis=0), False

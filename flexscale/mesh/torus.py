@@ -16,7 +16,7 @@ from flexscale.mesh.periodic_mesh import (
 )
 from flexscale.mesh.prisms import surface_of
 from flexscale.mesh.quadratic import elevate_scales
-from flexscale.mesh.tile import TileMesh, build_tile_mesh
+from flexscale.mesh.tile import TileMesh, build_tile_mesh, find_tip_sizes
 from flexscale.mesh.topology import TorusEdges, build_edges
 from flexscale.patterns import Isometry, Pattern
 from flexscale.patterns.cell import torus_classes
@@ -55,8 +55,9 @@ def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> Periodic
     MeshError : the sizes asked for do not give a valid mesh.
     """
     options = options or MeshOptions()
+    tips = find_tip_sizes(pattern.prototiles, pattern.gap, options)
     meshes = [
-        build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options)
+        build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options, tips)
         for prototile in pattern.prototiles
     ]
     placed = [(meshes[copy.prototile], copy.placement) for copy in pattern.copies]

@@ -10,8 +10,10 @@ import pytest
 
 from flexscale.errors import MeshError, UnitRangeError
 from flexscale.mesh import MeshOptions, PeriodicMesh, build_bare_mesh, build_mesh
-from flexscale.mesh.subdivision import subdivide_chain, subdivide_loop
-from flexscale.patterns import Pattern
+from flexscale.mesh.periodic_mesh import FREE
+from flexscale.mesh.subdivision import TipSizes, subdivide_chain, subdivide_loop
+from flexscale.mesh.tile import find_tip_sizes
+from flexscale.patterns import Pattern, named_pattern
 from flexscale.patterns.cell import polygon_area
 from flexscale.tilings import Tiling
 from tests.unit.pattern_shapes import SHAPES
@@ -216,9 +218,14 @@ def test_layers_grow_upward() -> None:
 
 @pytest.mark.parametrize("sharp", [True, False])
 @pytest.mark.parametrize("lengths", [[7.0], [2.5, 0.1, 4.4], [1.5, 0.3, 3.4, 0.3, 1.5]])
-def test_chain_nodes_reverse_with_the_chain(sharp: bool, lengths: list[float]) -> None:
+@pytest.mark.parametrize("tips", [TipSizes(), TipSizes(1.1, 0.2), TipSizes(9.0, 0.15)])
+def test_chain_nodes_reverse_with_the_chain(
+    sharp: bool, lengths: list[float], tips: TipSizes
+) -> None:
     options = MeshOptions()
-    there, back = (subdivide_chain(np.array(n), sharp, options) for n in (lengths, lengths[::-1]))
+    there, back = (
+        subdivide_chain(np.array(n), sharp, options, tips) for n in (lengths, lengths[::-1])
+    )
     n = len(there.along)
     assert np.allclose(there.along[1:], 1.0 - back.along[:0:-1], atol=1e-15)
     assert there.coarse.tolist() == (n - back.coarse[::-1]).tolist()
@@ -228,10 +235,32 @@ def test_chain_nodes_reverse_with_the_chain(sharp: bool, lengths: list[float]) -
     assert steps.max() <= options.along
     if sharp:
         assert steps[0] <= options.corner
-        for near, far in pairwise(steps):
-            assert far < near * options.growth * (1 + 1e-12) or far < options.along
+        shrunk = steps[0] / options.corner  # to fit the chain's length
+        near = 7.0 * there.along + steps < shrunk * tips.reach
+        assert (steps[near] <= tips.largest * (1 + 1e-12)).all()
+        for one, far in pairwise(steps):
+            assert far < one * options.growth * (1 + 1e-12) or far < options.along
     if lengths == lengths[::-1]:
         assert np.abs(there.along - 0.5).min() < 1e-15  # a mirror may cross there
+
+
+def test_edges_are_fine_until_past_the_tips_of_sharp_scales() -> None:
+    """A tip of angle 2 a lies half a gap over tan a along the edge."""
+    options = MeshOptions()
+    rhombus, square = (named_pattern(name) for name in ("rhombus", "square"))
+    assert find_tip_sizes(square.prototiles, square.gap, options) == TipSizes()
+    tips = find_tip_sizes(rhombus.prototiles, rhombus.gap, options)
+    assert tips.reach == pytest.approx(0.2 / np.tan(np.radians(30.0)) + 0.4)
+    assert tips.largest == pytest.approx(0.2)
+    mesh = build_mesh(rhombus, options)
+    free = np.flatnonzero(mesh.vertex_kind == FREE)
+    corner = rhombus.prototiles[0].polygon[0]
+    arms = rhombus.prototiles[0].polygon[1] - corner
+    along = (mesh.positions[free] - corner) @ arms / np.linalg.norm(arms)
+    off = np.abs((mesh.positions[free] - corner) @ [-arms[1], arms[0]])
+    on_edge = np.sort(along[(off < 1e-9) & (along > -1e-9)])
+    assert np.diff(on_edge[on_edge < tips.reach]).max() <= tips.largest * (1 + 1e-9)
+    assert np.diff(on_edge).max() > 2.0 * tips.largest
 
 
 def test_nodes_of_a_curve_are_graded_as_on_a_straight_edge() -> None:

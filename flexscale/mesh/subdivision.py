@@ -2,9 +2,9 @@
 
 A chain is what lies between two sharp corners: a straight edge, or a curve of many. Sizes along it
 depend on the lengths of its edges, the sharpness of its ends and what holds for the whole pattern,
-and reversing a chain reverses them. So both tiles of a chain agree on its nodes, and so do all chains that a symmetry of
-the pattern exchanges. Every corner of the polygon is a node; so is the middle of an edge that lies
-in the middle of its chain, where a mirror may cross it.
+and reversing a chain reverses them. So both tiles of a chain agree on its nodes, and so do all
+chains that a symmetry of the pattern exchanges. Every corner of the polygon is a node; so is the
+middle of an edge that lies in the middle of its chain, where a mirror may cross it.
 """
 
 from __future__ import annotations

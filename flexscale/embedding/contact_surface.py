@@ -98,7 +98,7 @@ def _number(parts: list[tuple[IntArray, IntArray, IntArray]]) -> SurfaceVertices
 
 
 def _reach(mesh: PeriodicMesh) -> float:
-    return float(REACH * np.sqrt(mesh.cell_area / mesh.n_scales))
+    return float(REACH * np.sqrt(mesh.triangle_areas().sum() / mesh.n_scales))
 
 
 def near_scales(mesh: PeriodicMesh, rest: FloatArray, surface: SurfaceVertices) -> IntArray:

@@ -19,9 +19,9 @@ from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
 from flexscale.homogenize.scale_modes import SheetSupport, build_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
-from flexscale.mechanics.contact import ScaleContact, barrier_stiffness
+from flexscale.mechanics.contact import ContactSurface, ScaleContact, barrier_stiffness
 from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray
+from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray, IntArray
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -30,8 +30,9 @@ from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import NeoHookean, Pattern
 from flexscale.solve.constraint import ConstrainedSystem
-from flexscale.solve.linear import build_factorization
+from flexscale.solve.linear import Factorization, build_factorization
 from flexscale.solve.ordering import grouped_order
+from flexscale.solve.unconstrained import UnconstrainedSystem
 
 
 def plate_stiffness(material: NeoHookean, thickness: float) -> float:
@@ -49,15 +50,15 @@ def _build_tets(embedding: CellEmbedding, material: NeoHookean) -> NeoHookeanTet
     )
 
 
-def _build_contact(embedding: CellEmbedding, model: CellModel) -> ScaleContact | None:
-    if embedding.contact_surface is None:
+def _build_contact(surface: ContactSurface | None, model: CellModel) -> ScaleContact | None:
+    if surface is None:
         return None
     # The force that stretches a strip of sheet as wide as the gap to twice its length.
     modulus = model.substrate_material.young_modulus
     force = modulus * model.substrate_thickness * model.gap
     distance = model.contact.activation * model.gap
     stiffness = model.contact.stiffness * barrier_stiffness(force, distance)
-    return ScaleContact(embedding.contact_surface, distance, stiffness)
+    return ScaleContact(surface, distance, stiffness)
 
 
 @dataclass(frozen=True)
@@ -178,7 +179,7 @@ class CellProblem:
         self.energies: list[Energy] = build_substrate(
             inner, model.substrate, material, model.substrate_thickness, stiffness
         )
-        self.contact = _build_contact(inner, model)
+        self.contact = _build_contact(self.touching_surface(inner), model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
         # Cells with tets and with bodies: the same calls, with worlds of their own.
         self.embedding: Any = inner
@@ -189,28 +190,41 @@ class CellProblem:
         if tets:
             self.energies.append(_build_tets(inner, model.scale_material))
             self._check_start()
-            self.pull_back = PullBack(inner.world_map, self.energies, inner.active, self.contact)
+            active = self.free_unknowns()
+            self.pull_back = PullBack(inner.world_map, self.energies, active, self.contact)
         else:
-            if bodies is None:
-                cutoff = model.scales.cutoff
-                bodies = build_bodies(inner, model.scale_material, model.sheet_support, cutoff)
-            self.bodies = tuple(bodies)
+            self.bodies = tuple(self.build_bodies(inner) if bodies is None else bodies)
             self.embedding = BodyCell(inner, self.bodies)
             self._check_start()
             everything = np.arange(inner.n_unknowns)
             self.pull_back = BodyPullBack(
                 self.embedding.world_map,
                 PullBack(inner.world_map, self.energies, everything),
-                self.embedding.active,
+                self.free_unknowns(),
                 self.contact,
             )
-        self.active = self.embedding.active
+        self.active = self.free_unknowns()
         self.build_system()
         self.shift_mode = self.embedding.shift_mode[self.active]
         # Energies below this are rounding: strains of 1e-12 in the sheet, of 3e-15 in the scales.
         sheet = model.substrate_material.young_modulus * model.substrate_thickness
         scales = model.scale_material.young_modulus * mesh.scale_height
         self.energy_floor = self.area * (1e-24 * sheet + 1e-29 * scales)
+
+    def build_bodies(self, inner: CellEmbedding) -> list[Body]:
+        """The scales."""
+        model = self.model
+        cutoff = model.scales.cutoff
+        return build_bodies(inner, model.scale_material, model.sheet_support, cutoff)
+
+    def touching_surface(self, inner: CellEmbedding) -> ContactSurface | None:
+        """What contact sees; None without."""
+        return inner.contact_surface
+
+    def free_unknowns(self) -> IntArray:
+        """Indices of the unknowns that are sought."""
+        active: IntArray = self.embedding.active
+        return active
 
     def _check_start(self) -> None:
         if self.contact is None:
@@ -251,15 +265,18 @@ class CellProblem:
 
     def build_system(self) -> None:
         """Analyze the present pattern of nonzeros."""
-        pattern = (self.pull_back.indptr, self.pull_back.indices)
-        order = grouped_order(*pattern, self.pull_back.groups) if self.bodies else None
-        factorization = build_factorization(*pattern, self.model.linear_solver, order)
-        self.system = ConstrainedSystem(
-            factorization,
+        self.system: ConstrainedSystem | UnconstrainedSystem = ConstrainedSystem(
+            self.build_factorization(),
             self.pull_back.diagonal,
             self.embedding.mean_offset[self.active],
             int(np.searchsorted(self.active, self.embedding.shift_unknown)),
         )
+
+    def build_factorization(self) -> Factorization:
+        """Backend on the present pattern of nonzeros."""
+        pattern = (self.pull_back.indptr, self.pull_back.indices)
+        order = grouped_order(*pattern, self.pull_back.groups) if self.bodies else None
+        return build_factorization(*pattern, self.model.linear_solver, order)
 
     def bent(self, bend: Bend) -> BentCell:
         """The cell's energy as a function of z under a macroscopic bend."""
@@ -277,7 +294,7 @@ class BentCell:
         self.energy_floor = problem.energy_floor
 
     @property
-    def system(self) -> ConstrainedSystem:
+    def system(self) -> ConstrainedSystem | UnconstrainedSystem:
         """Linear systems on the present pattern."""
         return self.problem.system
 

@@ -1,7 +1,8 @@
 """A rectangular macro sheet bent between two end strips that lie on a cylinder (Figs. 13, 14).
 
-One strip is held on the cylinder; the other keeps its turn and its place on the cylinder's radius,
-but slides along the arc as one body, since sheets lengthen where scales press on one another.
+One strip is held on the cylinder; the other keeps its place on the cylinder's radius, but slides
+along the arc as one body, since sheets lengthen where scales press on one another. It keeps its
+turn, or turns with the arc as a native sheet's end does.
 """
 
 from __future__ import annotations
@@ -43,11 +44,13 @@ class SheetOptions:
     element : "c1", or the paper's linear triangles with "edge_angle" or "averaged_normals".
     size : mm, sides of the triangles.
     strip : mm, length of the end strips; 0 for the end edges alone. Whole vertices are gripped.
+    turning : whether the strip that slides turns with the arc.
     """
 
     element: str = "c1"
     size: float = 5.0
     strip: float = 0.0
+    turning: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +154,7 @@ class BendingRig:
             (self.sheet.rows.kinds[rows] == POSITION).astype(float),
             placed[rows],
             origin[0],
-            Sliding(tangent, np.cross(tangent, across), curvature),
+            Sliding(tangent, np.cross(tangent, across), curvature, self.options.turning),
         )
 
     def bend(self, curvature: float) -> BentSheet:

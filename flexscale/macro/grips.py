@@ -63,35 +63,38 @@ class Turning:
 
 @dataclass(frozen=True)
 class Sliding:
-    """Slides along an arc and keeps its turn: q = (s,), the length of arc [mm].
+    """Slides along an arc: q = (s,), the length of arc [mm].
 
-    A strip that turned with the arc would be drawn in by the moment it transmits, by 3 % of a
-    sheet's length at kappa L = 2; one that keeps its turn feels the force along the arc alone.
+    A strip that turns with the arc is drawn in by the moment it transmits, as lattice images of a
+    periodic cell are; one that keeps its turn feels the force along the arc alone.
 
     Attributes
     ----------
     tangent, normal : (3,) unit vectors of the arc at s = 0; it curves toward the normal.
     curvature : mm-1.
+    turns : whether it turns with the arc.
     """
 
     tangent: FloatArray
     normal: FloatArray
     curvature: float
+    turns: bool = False
     n_unknowns: int = 1
 
     @property
     def axis(self) -> FloatArray:
-        """About which it does not turn."""
+        """About which it turns with the arc."""
         return np.cross(self.tangent, self.normal)
 
     def pose(self, q: FloatArray) -> Pose:
-        """d = sin(kappa s)/kappa t + (1 - cos(kappa s))/kappa n."""
+        """d = sin(kappa s)/kappa t + (1 - cos(kappa s))/kappa n; the angle is kappa s, or 0."""
         k, s = self.curvature, float(q[0])
         c, d, half = np.cos(k * s), np.sin(k * s), np.sinc(0.5 * k * s / np.pi)
         shift = s * np.sinc(k * s / np.pi) * self.tangent + 0.5 * k * s**2 * half**2 * self.normal
         rate = c * self.tangent + d * self.normal
         curve = k * (c * self.normal - d * self.tangent)
-        return Pose(shift, 0.0, rate[None], np.zeros(1), curve[None, None])
+        turn = k if self.turns else 0.0
+        return Pose(shift, turn * s, rate[None], np.full(1, turn), curve[None, None])
 
 
 @dataclass(frozen=True)

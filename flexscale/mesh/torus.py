@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ from flexscale.patterns.cell import torus_classes
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+IDENTITY = Isometry(np.eye(2), np.zeros(2))
 SAME_NODE = 1e-7  # relative to the root of the cell's area
 
 
@@ -61,13 +63,35 @@ def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> Periodic
         for prototile in pattern.prototiles
     ]
     placed = [(meshes[copy.prototile], copy.placement) for copy in pattern.copies]
-    sheet = _place_sheet(placed)
-    vertex, offset = _glue(sheet, pattern.lattice)
+    mesh = join_tiles(placed, (), pattern.lattice, pattern.scale_height)
+    if options.scale_order == 2:
+        mesh = elevate_scales(mesh)
+    mesh.validate()
+    return mesh
+
+
+def join_tiles(
+    placed: Sequence[tuple[TileMesh, Isometry]],
+    bare: Sequence[TileMesh],
+    lattice: FloatArray,
+    scale_height: float,
+) -> PeriodicMesh:
+    """Glue the meshes of tiles where their outlines meet, modulo the lattice.
+
+    Parameters
+    ----------
+    placed : tiles with scales, and where they lie.
+    bare : tiles without, in their places.
+    lattice : (2, 2) rows, mm.
+    scale_height : mm.
+    """
+    sheet = _place_sheet([*placed, *((tile, IDENTITY) for tile in bare)])
+    vertex, offset = _glue(sheet, lattice)
     first = np.unique(vertex, return_index=True)[1]
     triangles, offsets = vertex[sheet.triangles], offset[sheet.triangles]
     topology = build_edges(triangles, offsets)
-    mesh = PeriodicMesh(
-        lattice=pattern.lattice.copy(),
+    return PeriodicMesh(
+        lattice=lattice.copy(),
         positions=sheet.points[first],
         triangles=triangles,
         triangle_offsets=offsets,
@@ -81,16 +105,12 @@ def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> Periodic
         triangle_edge_offsets=topology.triangle_edge_offsets,
         edge_scale=_edge_scales(topology, sheet.covered_by),
         n_scales=len(placed),
-        scale_height=pattern.scale_height,
+        scale_height=scale_height,
         **_place_scales(placed),
     )
-    if options.scale_order == 2:
-        mesh = elevate_scales(mesh)
-    mesh.validate()
-    return mesh
 
 
-def _place_sheet(placed: list[tuple[TileMesh, Isometry]]) -> _Sheet:
+def _place_sheet(placed: Sequence[tuple[TileMesh, Isometry]]) -> _Sheet:
     parts: dict[str, list] = {name: [] for name in _Sheet.__dataclass_fields__}
     start = 0
     for scale, (tile, placement) in enumerate(placed):
@@ -142,7 +162,7 @@ def _edge_scales(topology: TorusEdges, covered_by: IntArray) -> IntArray:
     return np.where(n_covered == 2, COVERED_EDGE, highest)
 
 
-def _place_scales(placed: list[tuple[TileMesh, Isometry]]) -> dict[str, NDArray]:
+def _place_scales(placed: Sequence[tuple[TileMesh, Isometry]]) -> dict[str, NDArray]:
     names = (
         "scale_positions",
         "tets",

@@ -1,0 +1,170 @@
+"""A rectangular sheet of the native model between two end strips on a cylinder (Figs. 13, 14).
+
+Scales that the ends cut are the strips: flat, tangent to the cylinder at the end. Those of the near
+end are held; those of the far end are carried along the arc by (1 + Sxx) times the sheet's length.
+They keep their place on the cylinder's radius and the cylinder's rotation, and slide along the arc
+as one body. So the sheet is a cell that is periodic along its length only, with the pieces at its
+seam held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from flexscale.embedding.bodies import Body
+from flexscale.embedding.cell import CellEmbedding
+from flexscale.errors import BadInputError, ConfigError
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
+from flexscale.mechanics.contact import ContactSurface
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.energy import IntArray
+from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mesh.finite import build_finite_mesh
+from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.periodic_mesh import FREE
+from flexscale.patterns import Pattern
+from flexscale.patterns.clipped import SheetTiles, clip_pattern
+from flexscale.solve.newton import SolverOptions
+from flexscale.solve.unconstrained import UnconstrainedSystem
+
+
+class NativeSheet(CellProblem):
+    """A sheet of whole and cut scales; the same interface as the periodic cell.
+
+    Parameters
+    ----------
+    pattern : its scales are bodies, its sheet is C1.
+    length, width : mm; the sheet is bent along its length.
+    direction : degree, of the sheet's length in the pattern's coordinates.
+    mesh, contact, scales : as for a cell.
+
+    Attributes
+    ----------
+    tiles : the pattern on the sheet.
+    area : mm2, of the sheet.
+
+    Raises
+    ------
+    PatternError, MeshError : the sheet cannot be cut from the pattern, or not be meshed.
+    """
+
+    def __init__(
+        self,
+        pattern: Pattern,
+        length: float,
+        width: float,
+        direction: float = 0.0,
+        *,
+        mesh: MeshOptions | None = None,
+        contact: ContactOptions | None = None,
+        scales: ScaleOptions | None = None,
+        linear_solver: str = "auto",
+    ) -> None:
+        if scales is not None and scales.model != "modes":
+            raise ConfigError(
+                f"A native sheet has scales of few modes, not {scales.model!r}: leave the model "
+                "of the scales at 'modes'."
+            )
+        self.tiles: SheetTiles = clip_pattern(pattern, length, width, direction)
+        super().__init__(
+            build_finite_mesh(pattern, self.tiles, mesh),
+            CellModel.of_pattern(pattern, contact, linear_solver, scales=scales),
+        )
+        self.area = self.tiles.length * self.tiles.width
+        self.shift_mode = np.zeros(len(self.active))
+
+    def build_bodies(self, inner: CellEmbedding) -> list[Body]:
+        """The scales; those of the strips turn with the cylinder at the end, and do not leave its
+        tangent."""
+        bodies = super().build_bodies(inner)
+        for k in np.flatnonzero(self.tiles.at_end):
+            body = bodies[k]
+            shift = np.array([body.anchor[0], 0.0, 0.0])
+            bodies[k] = replace(
+                body,
+                anchor=body.anchor - shift[:2],
+                arms=body.arms + body.is_point[:, None] * shift,
+                vertex_arms=body.vertex_arms + shift,
+                second_moment=np.zeros((2, 2)),
+            )
+        return bodies
+
+    def touching_surface(self, inner: CellEmbedding) -> ContactSurface | None:
+        """Scales of a strip are one body: they do not meet one another."""
+        surface = inner.contact_surface
+        if surface is None or not self.tiles.at_end.any():
+            return surface
+        scale = np.empty(self.mesh.n_scale_vertices, dtype=np.int64)
+        scale[self.mesh.tets.ravel()] = np.repeat(self.mesh.tet_scale, self.mesh.tets.shape[1])
+        known = surface.vertices >= 0
+        of_body = np.empty(surface.bodies.max() + 1, dtype=np.int64)
+        of_body[surface.bodies[known]] = scale[surface.vertices[known]]
+        held = self.tiles.at_end[of_body[surface.bodies]]
+        home = np.arange(len(held)) < surface.n_home
+        bodies = surface.bodies.copy()
+        for strip in (held & home, held & ~home):
+            bodies[strip] = bodies[strip].min(initial=0)
+        return replace(surface, bodies=bodies)
+
+    def free_unknowns(self) -> IntArray:
+        """All but the strips', what no element depends on, and of the lattice's strain Syy, Sxy."""
+        cell, inner, mesh = self.embedding, self.embedding.inner, self.mesh
+        n, n_bodies = cell.n_unknowns, int(cell.world_map.starts[-1])
+        used = np.zeros(inner.n_unknowns, dtype=bool)
+        indptr, columns = inner.world_map.indptr, inner.world_map.columns
+        for row in np.unique(inner.shell.vectors):
+            used[columns[indptr[row] : indptr[row + 1]]] = True
+        free = np.concatenate([np.full(n_bodies, True), used[3 * inner.n_nodes :]])
+        starts = cell.world_map.starts
+        for k in np.flatnonzero(self.tiles.at_end):
+            free[starts[k] : starts[k + 1]] = False
+        on_end = np.abs(mesh.positions[:, 0]) < 1e-6 * self.tiles.length
+        nodes = inner.vertex_node[on_end & (mesh.vertex_kind == FREE)]
+        free[nodes[:, None] + np.arange(9) + n_bodies - 3 * inner.n_nodes] = False
+        free[n - 3 :] = True, False, False
+        return np.flatnonzero(free)
+
+    def build_system(self) -> None:
+        """Analyze the present pattern of nonzeros; what is held needs no constraint."""
+        self.system = UnconstrainedSystem(self.build_factorization(), self.pull_back.diagonal)
+
+
+def bend_native_sheet(
+    sheet: NativeSheet,
+    curvatures: Sequence[float],
+    side: str = "closing",
+    solver: SolverOptions | None = None,
+) -> Iterator[dict[str, Any]]:
+    """Bend a native sheet step by step.
+
+    Parameters
+    ----------
+    curvatures : mm-1, not negative, increasing.
+    side : "closing" or "opening".
+
+    Yields
+    ------
+    dict as of `follow_line`, and `slide` [mm], by which the far end moved away along the arc.
+
+    Raises
+    ------
+    BadInputError : the sheet would run into its own end, or an unknown side.
+    """
+    if side not in SIDE_SIGNS:
+        raise BadInputError(f"There is no side {side!r}: bend to 'closing' or 'opening'.")
+    length, largest = sheet.tiles.length, max(curvatures)
+    if largest * length >= 2.0 * np.pi:
+        raise BadInputError(
+            f"At a curvature of {largest:.12g} mm-1 a sheet of {length:.12g} mm runs into its own "
+            f"end: stay below {2.0 * np.pi / length:.4g} mm-1."
+        )
+    line = Line(side, 0.0, tuple(float(k) for k in curvatures))
+    for sample in follow_line(sheet, line, solver or SolverOptions()):
+        if "stretch" in sample:
+            sample["slide"] = float(sample["stretch"][0] - 1.0) * length
+        yield sample

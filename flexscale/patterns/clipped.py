@@ -1,0 +1,175 @@
+"""The tiles of a pattern that lie on a rectangular sheet, cut at its border.
+
+Pieces of cut tiles are tiles of their own, with scales half a gap away from the border as from
+their neighbors. Slivers, and pieces that the gap leaves no scale in one part, stay bare. The sheet
+is glued end to end: pieces at its far end lie before the near one, a sheet's length away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from flexscale.errors import PatternError
+from flexscale.patterns.cell import TiledCell, build_cell, polygon_area
+from flexscale.patterns.outlines import inset_corners
+from flexscale.patterns.pattern import Pattern
+from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
+from flexscale.patterns.symmetry import BoolArray, FloatArray
+from flexscale.units import require_finite, require_positive
+
+SLIVER = 0.05  # of a tile's area: smaller pieces carry no scale
+SHORTEST = 0.05  # of a gap: a cut that leaves shorter edges or thinner pieces is moved
+TRIES, ENOUGH = 25, 5  # places of the pattern on the sheet that are tried, and that may be used
+
+
+@dataclass(frozen=True)
+class SheetTiles:
+    """Tiles of a sheet [0, length] x [0, width].
+
+    Attributes
+    ----------
+    length, width : mm.
+    direction : degree, of the pattern along the sheet's length.
+    center : (2,) mm, point of the pattern in the middle of the sheet.
+    prototiles, copies : of the pieces that carry scales.
+    at_end : (n_copies,) pieces at one of the ends.
+    bare : polygons (n_i, 2) of the others, mm, with flags (n_i,) of sharp corners.
+    """
+
+    length: float
+    width: float
+    direction: float
+    center: FloatArray
+    prototiles: tuple[Prototile, ...]
+    copies: tuple[TileCopy, ...]
+    at_end: BoolArray
+    bare: tuple[tuple[FloatArray, BoolArray], ...]
+
+
+def clip_pattern(
+    pattern: Pattern, length: float, width: float, direction: float = 0.0
+) -> SheetTiles:
+    """Lay a pattern on a rectangle and cut it at the border.
+
+    The pattern is moved, at most by half a cell, until the border cuts off nothing too fine to
+    mesh.
+
+    Parameters
+    ----------
+    length, width : mm; the pattern's `direction` [degree] lies along the length.
+
+    Raises
+    ------
+    PatternError : the sheet is smaller than one cell, or no place suits.
+    """
+    length = require_positive(length, "sheet length", "mm")
+    width = require_positive(width, "sheet width", "mm")
+    turn = np.radians(require_finite(direction, "direction", "degree"))
+    if length * width < pattern.cell_area:
+        raise PatternError(
+            f"A sheet of {length:g} x {width:g} mm is smaller than one cell of the pattern, "
+            f"{pattern.cell_area:.4g} mm2: make it larger, or the tiles smaller."
+        )
+    center, cell = _best_place(pattern, length, width, turn)
+    tiles = [_at_near_end(tile, length, cell.tolerance) for tile in cell.tiles]
+    carries = np.array([_carries_scale(tile, pattern) for tile in tiles])
+    pieces = list(zip(tiles, cell.sharp, strict=True))
+    kept = [piece for piece, yes in zip(pieces, carries, strict=True) if yes]
+    bare = [piece for piece, yes in zip(pieces, carries, strict=True) if not yes]
+    with_scales = TiledCell(
+        tuple(tile for tile, _ in kept),
+        tuple(sharp for _, sharp in kept),
+        cell.lattice,
+        cell.tolerance,
+    )
+    prototiles, copies = find_prototiles(with_scales, pattern.gap)
+    at_end = np.array([touches_end(tile, cell.tolerance) for tile in with_scales.tiles])
+    return SheetTiles(
+        length, width, float(direction), center, prototiles, copies, at_end, tuple(bare)
+    )
+
+
+def touches_end(polygon: FloatArray, tolerance: float) -> bool:
+    """Whether a piece has an edge on the near end, x = 0."""
+    on_end = np.abs(polygon[:, 0]) < tolerance
+    return bool((on_end & np.roll(on_end, -1)).any())
+
+
+def _best_place(
+    pattern: Pattern, length: float, width: float, turn: float
+) -> tuple[FloatArray, TiledCell]:
+    """Point of the pattern in the middle of the sheet, and the pieces.
+
+    Of some places where the border cuts off nothing too fine, the one with the fewest bare pieces
+    at the ends, and in all.
+    """
+    found: list[tuple[tuple[int, int], FloatArray, TiledCell]] = []
+    for attempt in range(TRIES):
+        # A Kronecker sequence: places far from all earlier ones.
+        share = (attempt * np.array([0.7548776662, 0.5698402910]) + 0.5) % 1.0 - 0.5
+        center = (share if attempt else np.zeros(2)) @ pattern.lattice
+        pieces = _cut(pattern, length, width, turn, center)
+        if min(_finest(piece) for piece in pieces) <= SHORTEST * pattern.gap:
+            continue
+        cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
+        bare = [tile for tile in cell.tiles if not _carries_scale(tile, pattern)]
+        moved = [_at_near_end(tile, length, cell.tolerance) for tile in bare]
+        at_end = sum(touches_end(tile, cell.tolerance) for tile in moved)
+        found.append(((at_end, len(bare)), center, cell))
+        if not bare or len(found) == ENOUGH:
+            break
+    if not found:
+        raise PatternError(
+            f"Wherever the pattern lies, a border of {length:g} x {width:g} mm cuts off pieces "
+            f"finer than {SHORTEST * pattern.gap:.3g} mm: change a side by a few mm."
+        )
+    _, center, cell = min(found, key=lambda place: place[0])
+    return center, cell
+
+
+def _at_near_end(polygon: FloatArray, length: float, tolerance: float) -> FloatArray:
+    """A piece at the far end moved before the near one; others as they are."""
+    moved = polygon - [length, 0.0]
+    return moved if touches_end(moved, tolerance) else polygon
+
+
+def _cut(
+    pattern: Pattern, length: float, width: float, turn: float, center: FloatArray
+) -> list[FloatArray]:
+    """Pieces (n_i, 2) of all tiles on the rectangle, in its coordinates."""
+    cosine, sine = np.cos(turn), np.sin(turn)
+    rotation = np.array([[cosine, -sine], [sine, cosine]])
+    middle = 0.5 * np.array([length, width])
+    lattice = pattern.lattice @ rotation
+    tiles = [(tile - center) @ rotation + middle for tile in pattern.tiles]
+    reach = np.hypot(length, width) + max(float(np.ptp(tile, axis=0).max()) for tile in tiles)
+    spans = reach * np.linalg.norm(np.linalg.inv(lattice), axis=0)
+    m, n = (np.arange(-int(np.ceil(s)), int(np.ceil(s)) + 1) for s in spans)
+    shifts = np.stack(np.meshgrid(m, n, indexing="ij"), axis=-1).reshape(-1, 2) @ lattice
+    border = shapely.box(0.0, 0.0, length, width)
+    pieces = []
+    for tile in tiles:
+        low, high = tile.min(axis=0), tile.max(axis=0)
+        near = ((shifts + high > 0.0) & (shifts + low < [length, width])).all(axis=1)
+        for shift in shifts[near]:
+            parts = shapely.get_parts(shapely.intersection(shapely.Polygon(tile + shift), border))
+            pieces += [
+                np.array(shapely.orient_polygons(part).exterior.coords)[:-1]
+                for part in parts
+                if part.geom_type == "Polygon" and part.area > 1e-9 * length * width
+            ]
+    return pieces
+
+
+def _finest(polygon: FloatArray) -> float:
+    """Shortest edge of a polygon, or its mean width if that is less, mm."""
+    lengths = np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1)
+    return float(min(lengths.min(), 2.0 * polygon_area(polygon) / lengths.sum()))
+
+
+def _carries_scale(polygon: FloatArray, pattern: Pattern) -> bool:
+    outline = inset_corners(polygon, 0.5 * pattern.gap)
+    return outline is not None and polygon_area(outline) > SLIVER * pattern.tile_area

@@ -30,7 +30,8 @@ class TipSizes:
     """Small elements from sharp corners of the tiles to past the tips of their scales.
 
     A scale's tip lies further from the tiling vertex the sharper it is, and what it faces must not
-    be coarse: there the sheet is strained most.
+    be coarse: there the sheet is strained most. Nor must the tip be: its base's triangles are no
+    more than twice as large.
 
     Attributes
     ----------
@@ -127,7 +128,7 @@ def subdivide_chain(
     edge = np.repeat(np.arange(len(lengths)), [len(piece) for piece in pieces])
     fraction = (along - ends[edge]) / np.diff(ends)[edge]
     fraction[np.flatnonzero(np.diff(edge, prepend=-1))] = 0.0
-    return LoopNodes(edge, fraction, along, _coarse_nodes(along, total, sharp, options))
+    return LoopNodes(edge, fraction, along, _coarse_nodes(along, total, sharp, options, tips))
 
 
 def in_first_half(along: FloatArray) -> BoolArray:
@@ -169,9 +170,11 @@ def _wished_nodes(half: float, sharp: bool, options: MeshOptions, tips: TipSizes
     return np.concatenate([0.5 * nodes, 1.0 - 0.5 * nodes[-2::-1]])
 
 
-def _coarse_nodes(along: FloatArray, total: float, sharp: bool, options: MeshOptions) -> IntArray:
+def _coarse_nodes(
+    along: FloatArray, total: float, sharp: bool, options: MeshOptions, tips: TipSizes
+) -> IntArray:
     """Numbers of the nodes nearest to those wished for a scale's base, both ends among them."""
-    first = options.scale_corner if sharp else options.scale_size
+    first = min(options.scale_corner, 2.0 * tips.largest) if sharp else options.scale_size
     lengths = graded_lengths(0.5 * total, first, options.scale_growth, options.scale_size)
     targets = np.concatenate([[0.0], np.cumsum(lengths)])
     nodes = total * np.concatenate([along, [1.0]])

@@ -25,6 +25,7 @@ from flexscale.synthesis.separation import EdgePairs, place_parts, separations
 
 log = logging.getLogger(__name__)
 
+MOST_ITERATIONS = 100  # after which the best state is given back: least overlap, then least motion
 _SOFTNESS = 1e-6  # of inequalities, mm per mm of motion
 _DAMPING = 1.0  # weight of the distance from the last state: turns bend the linearized separations;
 # it doubles whenever a step makes the overlap deeper
@@ -57,7 +58,6 @@ def remove_overlap(
     *,
     clearance: float,
     turn_weight: float = 1.0,
-    most_iterations: int = 100,
 ) -> Removal:
     """Move scales apart.
 
@@ -67,13 +67,12 @@ def remove_overlap(
     placed : where they are.
     clearance : mm, smallest distance wanted between neighbors along the direction that parts them.
     turn_weight : of what turning contributes to the displacements.
-    most_iterations : after which the best state is given back: least overlap, then least motion.
     """
     placement, best = placed, (np.inf, np.inf, placed)
     memory: dict[tuple[int, int], int] = {}
     edges, reach = EdgePairs(_CROSSING, 2.0 * clearance), clearance
     weights, damping, deepest = _weights(moments, placed, turn_weight), _DAMPING, np.inf
-    for iteration in range(most_iterations + 1):
+    for iteration in range(MOST_ITERATIONS + 1):
         world = place_parts(parts, placement)
         pairs = close_pairs(parts.owner, world, reach)
         preferred = np.array([memory.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
@@ -89,7 +88,7 @@ def remove_overlap(
         moved = _displacements(moments, placed, placement)
         cost = float(moved @ weights @ moved)
         best = min(best, (overlap.deepest, cost, placement), key=lambda state: state[:2])
-        if iteration == most_iterations:
+        if iteration == MOST_ITERATIONS:
             break
         contacts = contact_rows(world, parts.owner, pairs, found, reach)
         rows = contacts.matrix(_centers(moments, placement))
@@ -107,7 +106,7 @@ def remove_overlap(
         step = (target - moved).reshape(-1, 6)
         turn = float(np.linalg.norm(step[:, 3:], axis=1).max())
         placement = _moved(moments, placement, step * min(1.0, _LARGEST_TURN / max(turn, 1e-9)))
-    return Removal(best[2], best[0] == 0.0, most_iterations)
+    return Removal(best[2], best[0] == 0.0, MOST_ITERATIONS)
 
 
 def motion_of(

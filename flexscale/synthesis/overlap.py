@@ -55,12 +55,16 @@ def overlap_of(scales: IntArray, distances: FloatArray) -> Overlap:
 
 
 def close_pairs(owner: IntArray, world: World, reach: float) -> IntArray:
-    """(n, 2) parts of different scales whose surrounding spheres are within `reach` mm, A < B."""
+    """(n, 2) parts A < B of different scales that may be within `reach` mm of each other: spheres
+    and boxes around them are."""
     vertices = world.vertices
     centers = 0.5 * (vertices.min(axis=1) + vertices.max(axis=1))
     radii = np.linalg.norm(vertices - centers[:, None], axis=2).max(axis=1)
     pairs = cKDTree(centers).query_pairs(2.0 * radii.max() + reach, output_type="ndarray")
     a, b = pairs.T
     apart = np.linalg.norm(centers[a] - centers[b], axis=1) - radii[a] - radii[b]
-    kept = np.sort(pairs[(owner[a] != owner[b]) & (apart <= reach)], axis=1).astype(np.int64)
+    low, high = vertices.min(axis=1) - 0.5 * reach, vertices.max(axis=1) + 0.5 * reach
+    boxed = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+    near = (owner[a] != owner[b]) & (apart <= reach) & boxed
+    kept = np.sort(pairs[near], axis=1).astype(np.int64)
     return np.asarray(kept[np.lexsort(kept.T[::-1])])

@@ -21,7 +21,7 @@ from flexscale.synthesis.overlap import close_pairs, overlap_of
 from flexscale.synthesis.placement import Placement
 from flexscale.synthesis.prisms import ConvexParts, Moments
 from flexscale.synthesis.quadratic_program import solve_qp
-from flexscale.synthesis.separation import EdgePairs, place_parts, separations
+from flexscale.synthesis.separation import EdgePairs, Kept, place_parts, separations
 
 log = logging.getLogger(__name__)
 
@@ -70,16 +70,14 @@ def remove_overlap(
     """
     placement, best = placed, (np.inf, np.inf, placed)
     memory: dict[tuple[int, int], int] = {}
-    edges, reach = EdgePairs(_CROSSING, 2.0 * clearance), clearance
+    edges, reach = EdgePairs(2.0 * clearance, _CROSSING, 2.0 * clearance), clearance
     weights, damping, deepest = _weights(moments, placed, turn_weight), _DAMPING, np.inf
     for iteration in range(MOST_ITERATIONS + 1):
         world = place_parts(parts, placement)
         pairs = close_pairs(parts.owner, world, reach)
-        preferred = np.array([memory.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
-        slack = clearance * 2.0 ** (iteration - _FREE)
-        found = separations(
-            world, pairs, preferred, slack=slack, apart=0.5 * clearance, edges=edges
-        )
+        numbers = np.array([memory.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
+        kept = Kept(numbers, clearance * 2.0 ** (iteration - _FREE), 0.5 * clearance)
+        found = separations(world, pairs, edges, kept)
         memory = dict(zip(map(tuple, pairs.tolist()), found.numbers.tolist(), strict=True))
         overlap = overlap_of(parts.owner[pairs], found.distances)
         if iteration == 0:
@@ -111,12 +109,19 @@ def remove_overlap(
 
 def motion_of(
     parts: ConvexParts, moments: Moments, start: Placement, end: Placement
-) -> tuple[float, float]:
-    """How far scales moved: root of the mean of their mean squares, and the farthest point, mm."""
+) -> tuple[float, float, float]:
+    """How far scales moved.
+
+    Returns
+    -------
+    Root of the mean of the scales' mean square displacements, mm; the farthest that a point went,
+    mm; the largest turn, degree.
+    """
     moved = _displacements(moments, start, end)
     squares = float(moved @ _weights(moments, start) @ moved) / len(moments.volumes)
     paths = np.linalg.norm(parts.vertices(end) - parts.vertices(start), axis=2)
-    return float(np.sqrt(squares)), float(paths.max())
+    turns = np.linalg.norm(moved.reshape(-1, 6)[:, 3:], axis=1)
+    return float(np.sqrt(squares)), float(paths.max()), float(np.rad2deg(turns.max()))
 
 
 def _centers(moments: Moments, placement: Placement) -> FloatArray:

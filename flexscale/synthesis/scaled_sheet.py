@@ -47,6 +47,7 @@ class ScaledSheet:
     rms_motion : by which removal moved the scales: root of the mean, over the scales, of the mean
         square displacement of a scale's points.
     largest_motion : by which it moved any point of a scale.
+    largest_turn : degree, by which it turned any scale.
     """
 
     pattern: Pattern
@@ -63,6 +64,7 @@ class ScaledSheet:
     iterations: int
     rms_motion: float
     largest_motion: float
+    largest_turn: float
 
     @property
     def n_scales(self) -> int:
@@ -208,12 +210,12 @@ def synthesize_scales(
             "Scales of pattern %r still overlap by up to %.3g mm after %d iterations.",
             pattern.name, after.deepest, removal.iterations,
         )  # fmt: skip
-    rms, largest = motion_of(parts, moments, fitted, removal.placement)
+    rms, largest, turn = motion_of(parts, moments, fitted, removal.placement)
     return ScaledSheet(
         pattern=pattern, sheet=sheet, scales=tuple(scales), fitted=fitted, fit_residuals=residuals,
         placement=removal.placement, overlap_before=before, overlap=after,
         clearance=clearance if remove_overlap else float("nan"),
         turn_weight=turn_weight if remove_overlap else float("nan"),
         converged=after.deepest == 0.0, iterations=removal.iterations,
-        rms_motion=rms, largest_motion=largest,
+        rms_motion=rms, largest_motion=largest, largest_turn=turn,
     )  # fmt: skip

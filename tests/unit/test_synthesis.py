@@ -163,16 +163,20 @@ def test_vtu_file_comes_back(overlapping, tmp_path):
 
 
 def test_picture_shows_which_scales_overlap(overlapping):
-    apart = fs.synthesize_scales(SQUARE, on_cylinder(0.02, flat_sheet()))
-    for scaled, labels in (
-        (overlapping, ["substrate", "scales that overlap"]),
-        (apart, ["substrate", "scales"]),
-    ):
-        figure = fs.plot.scaled_sheet(scaled)
-        assert [text.get_text() for text in figure.legends[0].get_texts()] == labels
-        assert figure.get_suptitle() == scaled.title
-        image = figure.axes[0].images[0].get_array()
-        assert 0.1 < (image[..., 3] > 0.5).mean() < 0.9
+    """Two of them do here: they get a color of their own."""
+    some = overlapping.overlap
+    two = replace(overlapping, overlap=replace(some, pairs=some.pairs[:1]))
+    figure = fs.plot.scaled_sheet(two)
+    shown = {patch.get_label(): patch.get_facecolor() for patch in figure.legends[0].get_patches()}
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["substrate", "scales", "scales that overlap"]
+    assert len(set(shown.values())) == 3
+    assert figure.get_suptitle() == two.title
+    image = figure.axes[0].images[0].get_array()
+    opaque = image[image[..., 3] > 0.5][:, :3]
+    assert 0.1 < len(opaque) / image[..., 3].size < 0.9
+    red = opaque[:, 0] > 3.0 * opaque[:, 1]
+    assert 0.005 < red.mean() < 0.2
 
 
 def test_bad_input_is_refused(overlapping, tmp_path):

@@ -15,7 +15,7 @@ from flexscale.synthesis.overlap import close_pairs, measure_overlap
 from flexscale.synthesis.placement import Placement
 from flexscale.synthesis.prisms import build_parts, moments_of, prism_surface
 from flexscale.synthesis.quadratic_program import solve_qp
-from flexscale.synthesis.separation import place_parts, separations
+from flexscale.synthesis.separation import Kept, place_parts, separations
 
 HEIGHT = 4.0
 
@@ -108,7 +108,7 @@ def test_rows_are_derivatives_of_separations(seed):
     turned = Rotation.from_rotvec(step[:, 3:]).as_matrix() @ start.rotations
     after = place_parts(parts, Placement(turned, centers + step[:, :3]))
     # The same directions again, however good others are by now.
-    moved = separations(after, pairs, found.numbers, slack=np.inf, apart=-np.inf)
+    moved = separations(after, pairs, kept=Kept(found.numbers, np.inf, -np.inf))
     change = rows.matrix(centers) @ step.ravel()
     for pair, (distance, new) in enumerate(zip(found.distances, moved.distances, strict=True)):
         here = (rows.scales == parts.owner[pairs[pair]]).all(axis=1)

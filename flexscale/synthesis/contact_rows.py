@@ -18,8 +18,9 @@ import scipy.sparse as sp
 
 from flexscale.fabricate.layout import FloatArray
 from flexscale.synthesis.prisms import IntArray
-from flexscale.synthesis.separation import Separations, World
+from flexscale.synthesis.separation import BoolArray, Separations, World
 
+_SAME = 1e-9  # mm, between corners that are one but for rounding
 _ON_EDGE = 1e-6  # mm: vertices closer to a line lie on it
 _TINY = 1e-12  # mm4: of parallel edges, and of none
 
@@ -65,7 +66,7 @@ def contact_rows(
         chosen = (found.numbers >= low) & (found.numbers < low + world.n_faces)
         tables.append(_corner_points(world, pairs, found, np.flatnonzero(chosen), face_of_a))
     number, gaps, on_a, on_b = (np.concatenate(column) for column in zip(*tables, strict=True))
-    kept = gaps <= reach
+    kept = np.isfinite(gaps) & (gaps <= reach)
     number = number[kept]
     return ContactRows(
         owner[pairs[number]], gaps[kept], found.directions[number], on_a[kept], on_b[kept]
@@ -81,8 +82,17 @@ def _corner_points(
     level = np.einsum("nvc,nc->nv", world.vertices[faced], outward).max(axis=1)
     corners = world.vertices[other]
     gaps = np.einsum("nvc,nc->nv", corners, outward) - level[:, None]
+    gaps[_repeats(corners)] = np.inf
     points = corners.reshape(-1, 3)
     return np.repeat(which, corners.shape[1]), gaps.ravel(), points, points
+
+
+def _repeats(corners: FloatArray) -> BoolArray:
+    """(n, 2 k) which corners of parts (n, 2 k, 3) only fill up the base or the top."""
+    rings = corners.reshape(len(corners), 2, -1, 3)
+    again = np.zeros(rings.shape[:3], dtype=bool)
+    again[:, :, 1:] = np.linalg.norm(np.diff(rings, axis=2), axis=3) <= _SAME
+    return again.reshape(corners.shape[:2])
 
 
 def _edge_points(

@@ -89,7 +89,7 @@ def _corner_points(
 
 def _repeats(corners: FloatArray) -> BoolArray:
     """(n, 2 k) which corners of parts (n, 2 k, 3) only fill up the base or the top."""
-    rings = corners.reshape(len(corners), 2, -1, 3)
+    rings = corners.reshape(len(corners), 2, corners.shape[1] // 2, 3)
     again = np.zeros(rings.shape[:3], dtype=bool)
     again[:, :, 1:] = np.linalg.norm(np.diff(rings, axis=2), axis=3) <= _SAME
     return again.reshape(corners.shape[:2])

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
     from flexscale.solve.newton import SolverOptions
+    from flexscale.synthesis.scaled_sheet import ScaledSheet, synthesize_scales
     from flexscale.tilings import Tiling, families
 
 __version__ = "0.1.0"
@@ -40,6 +41,7 @@ __all__ = [
     "NeoHookean",
     "Pattern",
     "ScaleOptions",
+    "ScaledSheet",
     "SheetOptions",
     "SolverOptions",
     "SubstrateOptions",
@@ -54,6 +56,7 @@ __all__ = [
     "plot",
     "simulate_sheet",
     "sweep",
+    "synthesize_scales",
     "tangent_stiffness",
 ]
 
@@ -67,6 +70,7 @@ _HOMES = {
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",
     "SheetOptions": "flexscale.macro.bent_sheet",
+    "ScaledSheet": "flexscale.synthesis.scaled_sheet",
     "ScaleOptions": "flexscale.mechanics.scale_options",
     "SolverOptions": "flexscale.solve.newton",
     "SubstrateOptions": "flexscale.mechanics.substrate_options",
@@ -80,6 +84,7 @@ _HOMES = {
     "open_registry": "flexscale.datasets.registry",
     "simulate_sheet": "flexscale.macro.simulate",
     "sweep": "flexscale.homogenize.sweep",
+    "synthesize_scales": "flexscale.synthesis.scaled_sheet",
     "tangent_stiffness": "flexscale.homogenize.tangent",
 }
 

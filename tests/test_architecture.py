@@ -25,8 +25,9 @@ FLOORS = {
     "homogenize": 5,
     "macro": 6,
     "fabricate": 6,
-    "steps": 7,
-    "cli": 8,
+    "synthesis": 7,
+    "steps": 8,
+    "cli": 9,
 }
 #: The side tower: what each of its rooms may use. The floors above 6 may use all of it.
 SIDE = {

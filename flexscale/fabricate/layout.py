@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,6 +17,9 @@ from flexscale.units import require_finite
 
 FloatArray = NDArray[np.float64]
 Border = Literal["cut", "whole"]
+
+MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 MB
+SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,66 @@ class Layout:
         turn = np.deg2rad(self.direction)
         cosine, sine = np.cos(turn), np.sin(turn)
         return np.asarray((points - np.array(self.center)) @ [[cosine, -sine], [sine, cosine]])
+
+    def least_area(self, pattern: Pattern) -> float:
+        """Area of the smallest pieces that are kept, mm²."""
+        return SLIVER * pattern.tile_area if self.smallest_area is None else self.smallest_area
+
+
+@dataclass(frozen=True, eq=False)
+class TileCopies:
+    """The scales on all copies of one tile of the pattern's cell that a region meets.
+
+    Attributes
+    ----------
+    tile : which tile.
+    home : outline of the scale on it, in coordinates of the sheet, mm.
+    inside, crossing : (n, 2) shifts of the scales that lie in the region, and across its border.
+    """
+
+    tile: int
+    home: shapely.Polygon
+    inside: FloatArray
+    crossing: FloatArray
+
+    def pieces(self, region: shapely.Polygon) -> Iterator[shapely.Polygon]:
+        """What the region's border leaves of the scales across it, slivers included."""
+        for shift in self.crossing:
+            cut = shapely.intersection(moved(self.home, shift), region, grid_size=GRID)
+            yield from shapely.get_parts(cut)
+
+
+def lay_out(pattern: Pattern, layout: Layout, region: shapely.Polygon) -> Iterator[TileCopies]:
+    """The pattern's scales over a region, tile by tile.
+
+    Raises
+    ------
+    FabricationError : there are more than `MOST_SCALES`.
+    """
+    expected = region.area / pattern.tile_area
+    if expected > MOST_SCALES:
+        raise FabricationError(
+            f"The sheet would hold about {expected:.0f} scales on tiles of {pattern.tile_area:g} "
+            f"mm², more than {MOST_SCALES}: give a smaller size or a larger tile area."
+        )
+    lattice = lattice_on_sheet(pattern, layout)
+    for tile, outline in enumerate(pattern.outlines()):
+        home = shapely.set_precision(shapely.Polygon(layout.place(outline)), GRID)
+        yield TileCopies(tile, home, *shifts_onto(home, lattice, region))
+
+
+def no_whole_scale(
+    pattern: Pattern, layout: Layout, region: shapely.Polygon, name: str
+) -> FabricationError:
+    """The error about a region, called `name`, that no scale lies wholly in."""
+    sizes = [np.ptp(layout.place(outline), axis=0) for outline in pattern.outlines()]
+    width, height = min(sizes, key=lambda size: float(size.prod()))
+    low, high = np.reshape(region.bounds, (2, 2))
+    return FabricationError(
+        f"The {name} mm holds no whole scale of pattern {pattern.name!r}: the sheet measures "
+        f"{high[0] - low[0]:g} x {high[1] - low[1]:g} mm, a scale {width:.3g} x {height:.3g} mm. "
+        "Give a larger sheet, or another point of the pattern as its center."
+    )
 
 
 def lattice_on_sheet(pattern: Pattern, layout: Layout) -> FloatArray:

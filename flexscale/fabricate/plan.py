@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import shapely
 
 from flexscale.errors import FabricationError
 from flexscale.fabricate.grooves import groove_rings
-from flexscale.fabricate.layout import FloatArray, Layout, lattice_on_sheet, moved, shifts_onto
+from flexscale.fabricate.layout import FloatArray, Layout, lay_out, moved, no_whole_scale
 from flexscale.fabricate.options import Grooves, Printer, check_printable
 from flexscale.fabricate.shapes import Shape
-from flexscale.fabricate.walls import GRID, is_printable, smallest_wall, without_thin_parts
+from flexscale.fabricate.walls import is_printable, smallest_wall, without_thin_parts
 from flexscale.patterns import Pattern
 
 LARGEST = 500.0  # mm from the middle: beyond, 32-bit numbers do not hold the grid
-MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 MB
-SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,44 +87,34 @@ def build_plan(
     shape.check(printer)
     _check_scales(pattern, printer)
     region = shape.scaled_region()
-    _check_size(pattern, region)
-    least = SLIVER * pattern.tile_area if layout.smallest_area is None else layout.smallest_area
+    _check_size(region)
+    least = layout.least_area(pattern)
     scales: list[PlannedScale] = []
     n_removed = n_left_out = 0
-    for tile, outline in enumerate(pattern.outlines()):
-        home = shapely.set_precision(shapely.Polygon(layout.place(outline)), GRID)
-        inside, crossing = shifts_onto(home, lattice_on_sheet(pattern, layout), region)
-        scales += _whole_scales(home, tile, inside, grooves)
+    for copies in lay_out(pattern, layout, region):
+        scales += _whole_scales(copies.home, copies.tile, copies.inside, grooves)
         if layout.border == "whole":
-            n_left_out += len(crossing)
+            n_left_out += len(copies.crossing)
             continue
-        for shift in crossing:
-            cut = shapely.intersection(moved(home, shift), region, grid_size=GRID)
-            for part in shapely.get_parts(cut):
-                kept = without_thin_parts(part, printer.wall) if part.area >= least else None
-                if kept is None or kept.area < least:
-                    n_removed += 1
-                else:
-                    rings = tuple(groove_rings(kept, grooves))
-                    scales.append(PlannedScale(kept, rings, tile, None))
+        for part in copies.pieces(region):
+            kept = without_thin_parts(part, printer.wall) if part.area >= least else None
+            if kept is None or kept.area < least:
+                n_removed += 1
+            else:
+                rings = tuple(groove_rings(kept, grooves))
+                scales.append(PlannedScale(kept, rings, copies.tile, None))
     plan = Plan(shape.sheet_region(pattern.gap), tuple(scales), n_removed, n_left_out)
     if plan.n_whole == 0:
-        raise _no_whole_scale(pattern, shape, layout)
+        raise no_whole_scale(pattern, layout, region, shape.name)
     return plan
 
 
-def _check_size(pattern: Pattern, region: shapely.Polygon) -> None:
+def _check_size(region: shapely.Polygon) -> None:
     reach = max(map(abs, region.bounds))
     if reach > LARGEST:
         raise FabricationError(
             f"The sheet reaches {reach:g} mm from its middle, but files for printers hold at most "
             f"{LARGEST:g} mm to less than 0.1 µm: give a smaller size."
-        )
-    expected = region.area / pattern.tile_area
-    if expected > MOST_SCALES:
-        raise FabricationError(
-            f"The sheet would hold about {expected:.0f} scales on tiles of {pattern.tile_area:g} "
-            f"mm², more than {MOST_SCALES}: give a smaller size or a larger tile area."
         )
 
 
@@ -160,14 +147,3 @@ def _check_scales(pattern: Pattern, printer: Printer) -> None:
                 f"tile area than {pattern.tile_area:g} mm², a gap below {pattern.gap:g} mm, or a "
                 "rounder tile."
             )
-
-
-def _no_whole_scale(pattern: Pattern, shape: Shape, layout: Layout) -> FabricationError:
-    sizes = [np.ptp(layout.place(outline), axis=0) for outline in pattern.outlines()]
-    width, height = min(sizes, key=lambda size: float(size.prod()))
-    low, high = np.reshape(shape.scaled_region().bounds, (2, 2))
-    return FabricationError(
-        f"The {shape.name} mm holds no whole scale of pattern {pattern.name!r}: the sheet measures "
-        f"{high[0] - low[0]:g} x {high[1] - low[1]:g} mm, a scale {width:.3g} x {height:.3g} mm. "
-        "Give a larger sheet, or another point of the pattern as its center."
-    )

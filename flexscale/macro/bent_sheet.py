@@ -16,7 +16,8 @@ import numpy as np
 from flexscale.errors import BadInputError
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.grips import Grip, Sliding
-from flexscale.macro.sheet import build_sheet
+from flexscale.macro.sheet import Sheet, build_sheet
+from flexscale.macro.sheet_points import sheet_positions
 from flexscale.macro.sheet_problem import SheetProblem, SheetState
 from flexscale.macro.sheet_rows import POSITION
 from flexscale.macro.surfaces import cylinder
@@ -60,9 +61,9 @@ class BentSheet:
     Attributes
     ----------
     curvature : mm-1, positive closes.
-    mesh : triangles at rest.
-    positions : (n_vertices, 3) mm; the held end at x = 0, bent toward +z if the curvature is
-        positive.
+    direction : degree, of the sheet's length in the law's axes.
+    sheet : mesh and elements at rest.
+    rows : (n_rows, 3) its deformed state.
     energy : N mm.
     energy_density : N/mm, over the rest area.
     moment : N, (1/area) dE/dcurvature: mean moment per width.
@@ -73,8 +74,9 @@ class BentSheet:
     """
 
     curvature: float
-    mesh: SheetMesh
-    positions: FloatArray
+    direction: float
+    sheet: Sheet
+    rows: FloatArray
     energy: float
     energy_density: float
     moment: float
@@ -84,6 +86,21 @@ class BentSheet:
     status: SolveStatus
     iterations: int
     negative_eigenvalues: int
+
+    @property
+    def mesh(self) -> SheetMesh:
+        """Triangles at rest."""
+        return self.sheet.mesh
+
+    @property
+    def positions(self) -> FloatArray:
+        """(n_vertices, 3) mm; the held end at x = 0, bent toward +z if the curvature is
+        positive."""
+        return self.rows[self.sheet.rows.positions(np.ones(self.mesh.n_vertices, dtype=bool))]
+
+    def at(self, points: FloatArray) -> FloatArray:
+        """Where points (n, 2) of the sheet at rest are, (n, 3), mm; see `sheet_positions`."""
+        return sheet_positions(self.sheet, self.rows, points)
 
 
 class BendingRig:
@@ -112,6 +129,7 @@ class BendingRig:
     ) -> None:
         self.options = options or SheetOptions()
         self.length = require_positive(length, "sheet length", "mm")
+        self.direction = require_finite(direction, "direction", "degree")
         self.curvature_range = curvature_range
         self.solver = solver or SolverOptions(tolerance=TOLERANCE)
         strip = require_range(self.options.strip, "strip", "mm", 0.0, np.inf)
@@ -125,7 +143,7 @@ class BendingRig:
             )
         self.sheet = build_sheet(
             mesh, law, element=self.options.element, clamped=self.ends[0] | self.ends[1],
-            material_direction=-np.radians(require_finite(direction, "direction", "degree")),
+            material_direction=-np.radians(self.direction),
         )  # fmt: skip
         self._warned = False
 
@@ -178,8 +196,9 @@ class BendingRig:
             self._warn_beyond(float(values[top]), places[top])
         return BentSheet(
             curvature=curvature,
-            mesh=self.sheet.mesh,
-            positions=state.y[self.sheet.rows.positions(np.ones(self.sheet.mesh.n_vertices, bool))],
+            direction=self.direction,
+            sheet=self.sheet,
+            rows=state.y,
             energy=energy,
             energy_density=energy / self.sheet.area,
             moment=self._moment(curvature, state) if found else np.nan,

@@ -5,6 +5,7 @@ from flexscale.plotting.fits import fit
 from flexscale.plotting.macro_polar import macro_polar
 from flexscale.plotting.polar import polar, stiffness
 from flexscale.plotting.saving import save_figure
+from flexscale.plotting.scaled_sheet import scaled_sheet
 from flexscale.plotting.scene import cell
 from flexscale.plotting.style import flexscale_style
 
@@ -16,5 +17,6 @@ __all__ = [
     "macro_polar",
     "polar",
     "save_figure",
+    "scaled_sheet",
     "stiffness",
 ]

@@ -75,17 +75,17 @@ def cell(
     direction = float(shape["sample_direction"].values[chosen[0]])
     camera = View(*view) if view is not None else View(direction + _BESIDE_AXIS, _ELEVATION)
     panels = [shape_surfaces(shape, sample, offsets, camera) for sample in chosen]
-    half = _half_window(panels)
+    half = half_window(panels)
     with flexscale_style():
         width = min(PAGE_WIDTH, COLUMN_WIDTH * len(chosen))
         panel_width = width / len(chosen)
         figure = new_figure(width, panel_width * half[1] / half[0] + 0.85)
         for column, (sample, surfaces) in enumerate(zip(chosen, panels, strict=True)):
             axes = figure.add_subplot(1, len(chosen), column + 1)
-            _draw_panel(axes, surfaces, half, panel_width)
+            draw_panel(axes, surfaces, half, panel_width)
             axes.set_title(_sample_title(shape, sample))
             if column == 0:
-                _draw_ruler(axes, camera, half)
+                draw_ruler(axes, camera, half)
         handles = [
             Patch(color=SCALE_COLOR, label="scales"),
             Patch(color=SUBSTRATE_COLOR, label="substrate"),
@@ -145,7 +145,7 @@ def _sample_title(shape: xr.Dataset, sample: int) -> str:
     return f"{side} {abs(curvature):g} {unit}, direction {direction:g}°"
 
 
-def _half_window(panels: Sequence[Surfaces]) -> tuple[float, float]:
+def half_window(panels: Sequence[Surfaces]) -> tuple[float, float]:
     """Half width and height (mm) of a window that holds any of the panels, centered."""
     sizes = [
         np.ptp(panel.corners[..., :2].reshape(-1, 2), axis=0)
@@ -156,7 +156,7 @@ def _half_window(panels: Sequence[Surfaces]) -> tuple[float, float]:
     return float(width), float(height)
 
 
-def _draw_panel(
+def draw_panel(
     axes: Axes, surfaces: Surfaces, half: tuple[float, float], panel_width: float
 ) -> None:
     center = np.zeros(2)
@@ -181,7 +181,7 @@ def _show(axes: Axes, image: np.ndarray, window: tuple[float, float, float, floa
     axes.set_axis_off()
 
 
-def _draw_ruler(axes: Axes, camera: View, half: tuple[float, float]) -> None:
+def draw_ruler(axes: Axes, camera: View, half: tuple[float, float]) -> None:
     """Bar of a round length and the three coordinate directions, in the lower left corner."""
     length = float(10.0 ** np.floor(np.log10(half[0])))
     corner = np.array([-half[0], -half[1]])

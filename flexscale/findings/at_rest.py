@@ -92,7 +92,7 @@ def double_curvature_is_resisted(patterns: Sequence[PatternData]) -> Finding:
     return Finding(
         "double curvature",
         "Scaled sheets strongly resist double curvature, which a penalty on det(κ)² enforces "
-        "(Sec. 3.4, Eq. 13).",
+        "(Sec. 3.3, Eq. 13).",
         f"at rest: the cheapest dome or saddle costs at least {STRONG:g} times the softest "
         "cylinder of the same curvature (two crossed cylinders of that kind would cost 2)",
         tuple(evidence),

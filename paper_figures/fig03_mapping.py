@@ -39,6 +39,6 @@ def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
     planar, optimized = scale_strain(inputs["shape"], SAMPLE)
     return [
         f"Mapped from the plane, scales are strained by {100 * planar:.2g} % (root mean square); "
-        f"in equilibrium by {100 * optimized:.2g} %, with {(planar / optimized) ** 2:.2g} times "
+        f"in equilibrium by {100 * optimized:.2g} %, with {(planar / optimized) ** 2:.3g} times "
         "less energy by that measure."
     ]

@@ -43,7 +43,7 @@ def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
         units = str(model["parameter_units"].sel(parameter=name).values)
         off = 100.0 * np.nanmax(np.abs(smooth / one - 1.0))
         sentences.append(
-            f"{name}, closing: {np.nanmin(one):.3g} to {np.nanmax(one):.3g} {units}; harmonics are "
+            f"{name}, closing: {np.nanmin(one):.4g} to {np.nanmax(one):.4g} {units}; harmonics are "
             f"at most {off:.2g} % off."
         )
     error = model["overall_moment_error"].sel(assessment="law", statistic="median")

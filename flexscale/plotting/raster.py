@@ -19,8 +19,8 @@ _AMBIENT = 0.5
 _CREASE_COSINE = 0.85  # surfaces of one body meeting at a sharper angle get an ink line
 _INK = 0.45  # brightness of ink lines relative to the color under them
 _SUPERSAMPLING = 2
-_SMALL = 8  # triangles up to so many pixels wide and high are drawn together
-_CHUNK = 20_000  # so many at a time
+_SMALL = 16  # triangles up to so many pixels wide and high are drawn together
+_CHUNK = 5_000  # so many at a time
 
 
 @dataclass(frozen=True)

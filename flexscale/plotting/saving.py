@@ -48,17 +48,10 @@ def save_figure(
     target.mkdir(parents=True, exist_ok=True)
     paths = {ending: target / f"{stem}.{ending}" for ending in ("pdf", "png", "json")}
     with flexscale_style():
-        # Laid out once for both files: finding room for all texts takes as long as drawing.
-        engine = figure.get_layout_engine()
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-        try:
-            for ending, metadata in _METADATA.items():
-                part = _part(paths[ending])
-                figure.savefig(part, format=ending, metadata=metadata)
-                os.replace(part, paths[ending])
-        finally:
-            figure.set_layout_engine(engine)
+        for ending, metadata in _METADATA.items():
+            part = _part(paths[ending])
+            figure.savefig(part, format=ending, metadata=metadata)
+            os.replace(part, paths[ending])
     listed = [dict(s) if isinstance(s, Mapping) else {"id": s} for s in sources]
     content = {"figure": stem, "sources": listed, **(facts or {})}
     write_text(paths["json"], json.dumps(content, indent=2, sort_keys=True, ensure_ascii=False))

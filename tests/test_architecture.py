@@ -32,6 +32,7 @@ FLOORS = {
 #: The side tower: what each of its rooms may use. The floors above 6 may use all of it.
 SIDE = {
     "datasets": {"errors", "units", "status"},
+    "findings": {"errors", "units", "status", "datasets"},
     "plotting": {"errors", "units", "status", "datasets"},
 }
 #: Libraries that few rooms or files may import; the workflow engine only ever runs as a program.

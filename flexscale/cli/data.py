@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
 
 app = typer.Typer(
-    help="List, show, verify and export datasets.", no_args_is_help=True, rich_markup_mode=None
+    help="List, show, verify and export datasets, and findings on them.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
 
 Identifier = Annotated[str, typer.Argument(help="Id from `data list`; may be shortened.")]
@@ -76,6 +78,24 @@ def check(results: Results = Path("results"), json: Json = False, quiet: Quiet =
     print(f"{checked} datasets are sound, {problems} problems.", file=sys.stderr)
     if problems:
         raise typer.Exit(IntegrityError.exit_code)
+
+
+@app.command()
+def findings(
+    results: Results = Path("results"),
+    json: Json = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Verdicts only, without each pattern's numbers.")
+    ] = False,
+) -> None:
+    """Hold what the paper's Sec. 4.2 says against the datasets, with verdicts and numbers."""
+    from flexscale.findings.table import all_findings, findings_text
+
+    found = all_findings(_open(results))
+    if json:
+        _print_json([finding.to_dict() for finding in found])
+    else:
+        sys.stdout.write(findings_text(found, evidence=not quiet) + "\n")
 
 
 @app.command()

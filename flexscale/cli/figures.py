@@ -8,7 +8,8 @@ from pathlib import Path
 
 from flexscale.datasets.registry import open_registry
 from flexscale.errors import BadInputError, ConfigError, MissingDataError
-from flexscale.plotting.figures import draw_figure, find_scripts
+from flexscale.plotting.figure_scripts import find_scripts
+from flexscale.plotting.figures import draw_figure
 from flexscale.plotting.index_page import write_index
 
 
@@ -20,7 +21,7 @@ def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Seq
     names : figure scripts, all if empty.
     results : results folder.
     out : folder to draw into.
-    use : "INPUT=ID" where several datasets fit.
+    use : "INPUT=ID" for another dataset than the only one, or the only shipped one, that fits.
 
     Returns
     -------

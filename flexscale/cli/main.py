@@ -66,7 +66,7 @@ def figures(
         Path | None, typer.Option(help="Folder to draw into; RESULTS/local/figures if not given.")
     ] = None,
     use: Annotated[
-        list[str] | None, typer.Option(help="INPUT=ID where several datasets fit; may be repeated.")
+        list[str] | None, typer.Option(help="INPUT=ID, to draw another dataset; may be repeated.")
     ] = None,
 ) -> None:
     """Draw the paper's figures from stored datasets."""

@@ -19,7 +19,7 @@ from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.datasets.locks import layer_lock
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.staging import write_atomically
-from flexscale.errors import DatasetError, IntegrityError
+from flexscale.errors import BadInputError, DatasetError, IntegrityError
 
 logger = logging.getLogger(__name__)
 
@@ -32,6 +32,23 @@ class Catalog:
 
     entries: tuple[Entry, ...]
     damaged: tuple[str, ...]
+
+
+def results_folder(root: str | Path) -> Path:
+    """`root` as a path, if it can be a results folder.
+
+    Raises
+    ------
+    BadInputError : it is a layer of one; the message names the folder to give.
+    """
+    path = Path(root)
+    if (path / CATALOG_FILE).is_file() or list_folders(path):
+        parent = path.parent if path.name not in ("", "..") else path.resolve().parent
+        raise BadInputError(
+            f"{path} holds datasets itself: it is one layer of a results folder, such as "
+            f"'reference' or 'local'. Give the folder around it, {parent}."
+        )
+    return path
 
 
 def read_catalog(layer: Path) -> Catalog:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexscale.datasets.catalog import read_catalog, update_catalog
+from flexscale.datasets.catalog import read_catalog, results_folder, update_catalog
 from flexscale.datasets.entry import Entry, read_record
 from flexscale.datasets.selection import Between, Selection, between, by_short_id
 
@@ -25,6 +25,10 @@ def open_registry(root: str | Path = "results") -> Registry:
     ----------
     root : results folder with the layers `local` and `reference`; of a dataset in both, the local
         one counts.
+
+    Raises
+    ------
+    BadInputError : `root` is itself such a layer; the message names the folder to give.
     """
     return Registry(root)
 
@@ -33,7 +37,7 @@ class Registry:
     """All datasets of a results folder at the moment of opening. `find` opens no file."""
 
     def __init__(self, root: str | Path = "results") -> None:
-        self.root = Path(root)
+        self.root = results_folder(root)
         found: dict[tuple[str, str], Entry] = {}
         damaged: list[str] = []
         for name in ("reference", "local"):
@@ -66,9 +70,17 @@ class Registry:
         """The only dataset that meets the criteria, loaded; else an error with the candidates."""
         return self.load(self.find(**criteria).one())
 
-    def table(self) -> pd.DataFrame:
-        """All datasets as a table."""
-        return self.find().table()
+    def table(self, **criteria: Any) -> pd.DataFrame:
+        """Datasets that meet the criteria of `find`, all without any, as a table."""
+        return self.find(**criteria).table()
+
+    def to_tree(self, **criteria: Any) -> xr.DataTree:
+        """Datasets that meet the criteria of `find`, loaded, as a tree /family/pattern."""
+        return self.find(**criteria).to_tree()
+
+    def stack(self, along: str = "pattern", **criteria: Any) -> xr.Dataset:
+        """Datasets that meet the criteria of `find`, loaded, on a new axis: `Selection.stack`."""
+        return self.find(**criteria).stack(along)
 
     def get(self, identifier: str) -> Entry:
         """Entry by id; the digest may be shortened while unique ("sweep:3f9c")."""

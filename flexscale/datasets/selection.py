@@ -171,6 +171,18 @@ class Selection(Sequence[Entry]):
 
         return to_tree(self)
 
+    def stack(self, along: str = "pattern") -> xr.Dataset:
+        """The datasets, loaded, side by side on the new axis `along`; nothing is filled in.
+
+        Raises
+        ------
+        SchemaError, MissingDataError, UnknownNameError : they do not fit together; see
+            `flexscale.datasets.stack`.
+        """
+        from flexscale.datasets.stack import stack
+
+        return stack(self, along)
+
     def __repr__(self) -> str:
         return f"{len(self)} datasets\n{self.table().to_string(max_rows=20)}" if self else "nothing"
 

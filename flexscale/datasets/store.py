@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from flexscale.datasets.build import global_attributes
-from flexscale.datasets.catalog import update_catalog
+from flexscale.datasets.catalog import results_folder, update_catalog
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.entry import RECORD_FILE, Entry, read_record
 from flexscale.datasets.files import (
@@ -45,10 +45,14 @@ class Store:
     Parameters
     ----------
     root : results folder; nothing is created before the first write.
+
+    Raises
+    ------
+    BadInputError : `root` is itself a layer, such as `results/reference`.
     """
 
     def __init__(self, root: str | Path = "results") -> None:
-        self.root = Path(root)
+        self.root = results_folder(root)
         self.local = self.root / "local"
         self.reference = self.root / "reference"
 

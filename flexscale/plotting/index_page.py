@@ -15,12 +15,31 @@ _PAGE = """<!doctype html>
 body {{ font: 15px/1.45 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em }}
 figure {{ margin: 2em 0; border-top: 1px solid #ccc; padding-top: 1em }}
 img {{ max-width: 100% }} code {{ font-size: 90% }} .missing {{ color: #b2182b }}
+nav {{ display: flex; flex-wrap: wrap; gap: 1em }} nav a {{ width: 9em; text-align: center }}
+nav img {{ height: 6em; max-width: 9em; object-fit: contain; display: block; margin: auto }}
+.sides {{ display: grid; grid-template-columns: 1fr 1fr; gap: 1.5em }}
 </style></head><body>
 <h1>FlexScale figures</h1>
-<p>Drawn from stored datasets; every figure names the ones it shows. Photographs and measurements
-of the paper are not reproduced.</p>
+<p>Drawn from stored datasets; every figure names the ones it shows.</p>
+<nav>
+{thumbnails}
+</nav>
 {figures}
+<h2 id="not-reproduced">Not reproduced</h2>
+<p>What the paper photographed or measured on prints; its measurements are not public.</p>
+<ul>
+{absent}
+</ul>
 </body></html>"""
+
+#: What no dataset of ours can show.
+NOT_REPRODUCED = (
+    "Fig. 1a: photographs of printed sheets bent to both sides; the simulated cells stand in.",
+    "Fig. 5: photographs of prints, grooves and infill (see flexscale fabricate).",
+    "Fig. 6: photographs of the mandrel, and the force measured on a solid disc.",
+    "Fig. 9: forces measured on printed discs.",
+    "Figs. 10a, 10b, 11a, 11b: the linear stage, and forces measured on it.",
+)
 
 
 def write_index(reports: Sequence[FigureReport], out: Path) -> Path:
@@ -33,8 +52,19 @@ def write_index(reports: Sequence[FigureReport], out: Path) -> Path:
     """
     out.mkdir(parents=True, exist_ok=True)
     path = out / "index.html"
-    write_text(path, _PAGE.format(figures="\n".join(_entry(report) for report in reports)))
+    text = _PAGE.format(
+        thumbnails="\n".join(_thumbnail(report) for report in reports),
+        figures="\n".join(_entry(report) for report in reports),
+        absent="\n".join(f"<li>{escape(item)}</li>" for item in NOT_REPRODUCED),
+    )
+    write_text(path, text)
     return path
+
+
+def _thumbnail(report: FigureReport) -> str:
+    stem = escape(report.stem)
+    picture = f'<img src="{escape(report.paths["png"].name)}" alt="">' if report.paths else ""
+    return f'<a href="#{stem}">{picture}{stem}</a>'
 
 
 def _entry(report: FigureReport) -> str:
@@ -50,7 +80,10 @@ def _entry(report: FigureReport) -> str:
         f'<a href="{escape(file.name)}">{ending}</a>' for ending, file in report.paths.items()
     )
     picture = escape(report.paths["png"].name)
+    found = "".join(f"<li>{escape(sentence)}</li>" for sentence in report.we_find)
     return (
         f'<figure id="{stem}"><a href="{picture}"><img src="{picture}" alt="{caption}"></a>'
-        f"<figcaption><b>{stem}</b> {caption}<br>from {ids} · {links}</figcaption></figure>"
+        f"<figcaption><b>{stem}</b> {caption}<br>from {ids} · {links}"
+        f'<div class="sides"><div><b>The paper says</b><p>{escape(report.paper_says)}</p></div>'
+        f"<div><b>We find</b><ul>{found}</ul></div></div></figcaption></figure>"
     )

@@ -19,6 +19,8 @@ _AMBIENT = 0.5
 _CREASE_COSINE = 0.85  # surfaces of one body meeting at a sharper angle get an ink line
 _INK = 0.45  # brightness of ink lines relative to the color under them
 _SUPERSAMPLING = 2
+_SMALL = 16  # triangles up to so many pixels wide and high are drawn together
+_CHUNK = 5_000  # so many at a time
 
 
 @dataclass(frozen=True)
@@ -110,9 +112,9 @@ def _nearest_triangle(
     last = np.clip(np.floor(pixels.max(axis=1) - 0.5).astype(int) + 1, 0, limits)
     (ax, ay), (bx, by), (cx, cy) = pixels[:, 0].T, pixels[:, 1].T, pixels[:, 2].T
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-    for t in drawn:
-        if area[t] == 0.0 or np.any(first[t] >= last[t]):
-            continue
+    drawn = drawn[(area[drawn] != 0.0) & np.all(first[drawn] < last[drawn], axis=1)]
+    small = np.all(last[drawn] - first[drawn] <= _SMALL, axis=1)
+    for t in drawn[~small]:
         (x0, y0), (x1, y1) = first[t], last[t]
         x = np.arange(x0, x1) + 0.5
         y = np.arange(y0, y1)[:, None] + 0.5
@@ -126,7 +128,45 @@ def _nearest_triangle(
         seen &= here > window
         window[seen] = here[seen]
         nearest[y0:y1, x0:x1][seen] = t
+    for start in range(0, int(small.sum()), _CHUNK):
+        some = drawn[small][start : start + _CHUNK]
+        _draw_small(pixels, depth, some, first, last, buffer, nearest)
     return nearest
+
+
+def _draw_small(
+    pixels: FloatArray,
+    depth: FloatArray,
+    chosen: np.ndarray,
+    first: np.ndarray,
+    last: np.ndarray,
+    buffer: FloatArray,
+    nearest: np.ndarray,
+) -> None:
+    """Triangles of a few pixels each, all at once; one by one, the loop would take the time."""
+    steps = np.arange(_SMALL)
+    columns = (first[chosen, 0, None, None] + steps[None, None, :]).repeat(_SMALL, axis=1)
+    rows = (first[chosen, 1, None, None] + steps[None, :, None]).repeat(_SMALL, axis=2)
+    inside = (columns < last[chosen, 0, None, None]) & (rows < last[chosen, 1, None, None])
+    place, at_row, at_column = np.nonzero(inside)
+    x, y = columns[place, at_row, at_column], rows[place, at_row, at_column]
+    triangle = chosen[place]
+    a, b, c = pixels[triangle].transpose(1, 2, 0)
+    point = np.stack([x, y]) + 0.5
+    area = _cross(b - a, c - a)
+    weight_b, weight_c = _cross(point - a, c - a) / area, _cross(b - a, point - a) / area
+    at = depth[triangle].T
+    here = at[0] + weight_b * (at[1] - at[0]) + weight_c * (at[2] - at[0])
+    seen = (weight_b >= 0.0) & (weight_c >= 0.0) & (weight_b + weight_c <= 1.0)
+    seen &= here > buffer[y, x]
+    x, y, here, triangle = x[seen], y[seen], here[seen], triangle[seen]
+    np.maximum.at(buffer, (y, x), here)
+    wins = np.flatnonzero(here == buffer[y, x])[::-1]  # of equally near ones the first is drawn
+    nearest[y[wins], x[wins]] = triangle[wins]
+
+
+def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
+    return np.asarray(first[0] * second[1] - first[1] * second[0])
 
 
 def _plain(nearest: np.ndarray, surfaces: Surfaces) -> FloatArray:

@@ -36,8 +36,8 @@ from flexscale.plotting.style import (
 )
 
 # Camera beside the cylinder's axis: the arc is seen from its end, the scales from above.
-_BESIDE_AXIS = -62.0  # degree from the bending direction
-_ELEVATION = 30.0  # degree
+BESIDE_AXIS = -62.0  # degree from the bending direction
+ELEVATION = 30.0  # degree
 _PIXELS_PER_INCH = 300.0
 _MAX_PANELS = 4
 
@@ -73,7 +73,7 @@ def cell(
     chosen = _pick_samples(shape, samples)
     offsets = cell_offsets(n_cells)
     direction = float(shape["sample_direction"].values[chosen[0]])
-    camera = View(*view) if view is not None else View(direction + _BESIDE_AXIS, _ELEVATION)
+    camera = View(*view) if view is not None else View(direction + BESIDE_AXIS, ELEVATION)
     panels = [shape_surfaces(shape, sample, offsets, camera) for sample in chosen]
     half = half_window(panels)
     with flexscale_style():
@@ -83,7 +83,7 @@ def cell(
         for column, (sample, surfaces) in enumerate(zip(chosen, panels, strict=True)):
             axes = figure.add_subplot(1, len(chosen), column + 1)
             draw_panel(axes, surfaces, half, panel_width)
-            axes.set_title(_sample_title(shape, sample))
+            axes.set_title(sample_title(shape, sample))
             if column == 0:
                 draw_ruler(axes, camera, half)
         handles = [
@@ -127,7 +127,7 @@ def _pick_samples(shape: xr.Dataset, samples: int | Sequence[int] | None) -> lis
     chosen = [int(sample) for sample in np.atleast_1d(samples)]
     bad = [sample for sample in chosen if not -n_samples <= sample < n_samples]
     if bad or not chosen or len(chosen) > _MAX_PANELS:
-        listed = "; ".join(f"{i}: {_sample_title(shape, i)}" for i in range(min(n_samples, 12)))
+        listed = "; ".join(f"{i}: {sample_title(shape, i)}" for i in range(min(n_samples, 12)))
         raise BadInputError(
             f"Cannot draw the samples {chosen}: choose one to {_MAX_PANELS} of the dataset's "
             f"{n_samples} ({listed})."
@@ -135,7 +135,8 @@ def _pick_samples(shape: xr.Dataset, samples: int | Sequence[int] | None) -> lis
     return [sample % n_samples for sample in chosen]
 
 
-def _sample_title(shape: xr.Dataset, sample: int) -> str:
+def sample_title(shape: xr.Dataset, sample: int) -> str:
+    """Side, curvature and direction of a sample, as "closing 0.02 mm⁻¹, direction 90°"."""
     curvature = float(shape["sample_curvature"].values[sample])
     unit = unit_text(str(shape["sample_curvature"].attrs.get("units", "mm-1")))
     if curvature == 0.0:
@@ -159,6 +160,10 @@ def half_window(panels: Sequence[Surfaces]) -> tuple[float, float]:
 def draw_panel(
     axes: Axes, surfaces: Surfaces, half: tuple[float, float], panel_width: float
 ) -> None:
+    """Surfaces in a window of half sizes `half` (mm) around their middle, a cross without any.
+
+    `panel_width` is in inch: about the width of the axes, for the resolution.
+    """
     center = np.zeros(2)
     if len(surfaces.corners):
         flat = surfaces.corners[..., :2].reshape(-1, 2)

@@ -92,7 +92,7 @@ def test_data_commands_on_an_empty_folder(
     assert "no dataset 'sweep:123'" in capsys.readouterr().err
     assert call(monkeypatch, "data", "list", "gap", "--results", tmp_path) == 2
     assert call(monkeypatch, "figures", "--results", tmp_path) == 4
-    assert "flexscale run workflows/quickstart.yaml" in capsys.readouterr().err
+    assert "flexscale run workflows/named_patterns.yaml" in capsys.readouterr().err
 
 
 def test_bug_is_reported_as_one(

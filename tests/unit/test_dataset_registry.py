@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from flexscale.datasets.catalog import CATALOG_FILE, update_catalog
 from flexscale.datasets.identity import Recipe
 from flexscale.datasets.registry import Registry, between, open_registry
 from flexscale.datasets.store import Store
-from flexscale.errors import MissingDataError, UnitRangeError, UnknownNameError
+from flexscale.errors import BadInputError, MissingDataError, UnitRangeError, UnknownNameError
 from tests.unit.dataset_samples import cell, recipe, sweep
 
 
@@ -126,6 +127,33 @@ def test_an_empty_folder_is_fine_until_one_asks_for_something(tmp_path: Path) ->
     with pytest.raises(MissingDataError, match="no dataset yet"):
         registry.find(pattern="hexagon")
     assert not (tmp_path / "nothing").exists()
+
+
+@pytest.mark.parametrize("use", [open_registry, Store])
+def test_a_layer_is_no_results_folder(
+    root: Path, use: Callable[[Path], object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(BadInputError, match=f"Give the folder around it, {root}.$"):
+        use(root / "local")
+    monkeypatch.chdir(root / "local")
+    with pytest.raises(BadInputError, match=f"Give the folder around it, {root}.$"):
+        use(Path("."))
+    monkeypatch.chdir(root)
+    use(Path("."))
+
+
+def test_a_layer_without_a_catalog_is_seen_too(tmp_path: Path) -> None:
+    store = Store(tmp_path / "results")
+    store.publish(cell(), "cell", recipe())
+    (store.local / CATALOG_FILE).unlink()
+    with pytest.raises(BadInputError, match="one layer of a results folder"):
+        open_registry(store.local)
+
+
+def test_the_registry_answers_for_its_selections(registry: Registry) -> None:
+    assert list(registry.table(kind="cell").index) == [registry.find(kind="cell").one().id]
+    assert list(registry.to_tree(kind="sweep", pattern="square").children) == ["IH76"]
+    assert registry.stack("gap", kind="sweep", pattern="hexagon").sizes["gap"] == 2
 
 
 def rows(root: Path) -> list[dict[str, object]]:

@@ -15,7 +15,8 @@ import xarray as xr
 
 from flexscale.errors import BadInputError, UnknownNameError
 from flexscale.plotting import polar, save_figure
-from flexscale.plotting.figures import draw_figure, find_scripts
+from flexscale.plotting.figure_scripts import find_scripts
+from flexscale.plotting.figures import draw_figure
 from flexscale.plotting.index_page import write_index
 from tests.unit.plotting_data import flat_cell, two_regime_sweep, with_failures
 
@@ -23,11 +24,14 @@ PAPER_FIGURES = Path(__file__).resolve().parents[2] / "paper_figures"
 
 SCRIPT = """
 from flexscale.plotting import polar
-from flexscale.plotting.figures import Need
+from flexscale.plotting.figure_scripts import Need
 NEEDS = {"sweep": Need("sweep", "flexscale run square.yaml", {"pattern": "squares"})}
 CAPTION = "A <test> figure."
+PAPER_SAYS = "Stiffer & stiffer."
 def draw(inputs):
     return polar(inputs["sweep"])
+def findings(inputs):
+    return [f"largest {float(inputs['sweep']['moment'].max()):.3g} N"]
 """
 
 
@@ -39,6 +43,7 @@ class FakeEntry:
     digest: str
     dataset: xr.Dataset
     row: dict[str, Any] = field(default_factory=dict)
+    folder: Path = Path("results/local/sweep")
 
     @property
     def id(self) -> str:
@@ -51,6 +56,8 @@ class FakeEntry:
 
 class FakeRegistry:
     """Registry in memory that counts how many datasets were opened."""
+
+    root = Path("results")
 
     def __init__(self, *entries: FakeEntry) -> None:
         self.entries = entries
@@ -124,7 +131,11 @@ def test_a_figure_is_drawn_once_and_again_when_its_data_change(
     assert first.sources == ("sweep:aaaa",)
     content = json.loads(first.paths["json"].read_text())
     assert content["sources"][0]["content_digest"] == "aaaa" * 8
-    assert draw_figure(script, registry, out).outcome == "reused"
+    again = draw_figure(script, registry, out)
+    assert again.outcome == "reused"
+    assert again.we_find == first.we_find
+    largest = float(two_regime_sweep(4)["moment"].max())
+    assert first.we_find == (f"largest {largest:.3g} N",)
     assert registry.n_loaded == 1
     assert draw_figure(script, FakeRegistry(square_entry("bbbb")), out).outcome == "drawn"
     first.paths["pdf"].unlink()
@@ -166,11 +177,19 @@ def test_several_fitting_datasets_are_not_chosen_from_silently(
     assert chosen.sources == ("sweep:bbbb",)
 
 
+def test_shipped_datasets_come_before_ones_own(script_folder: Path, tmp_path: Path) -> None:
+    (script,) = find_scripts(script_folder)
+    shipped = square_entry("bbbb")
+    shipped.folder = Path("results/reference/sweep")
+    report = draw_figure(script, FakeRegistry(square_entry("aaaa"), shipped), tmp_path)
+    assert report.sources == ("sweep:bbbb",)
+
+
 def test_unknown_figures_and_incomplete_scripts_are_refused(script_folder: Path) -> None:
     with pytest.raises(UnknownNameError, match="fig99_test"):
         find_scripts(script_folder, ["fig98_test"])
     (script_folder / "fig01_bad.py").write_text("CAPTION = ''\n")
-    with pytest.raises(BadInputError, match=r"fig01_bad.*NEEDS, draw"):
+    with pytest.raises(BadInputError, match=r"fig01_bad.*NEEDS, PAPER_SAYS, draw, findings"):
         find_scripts(script_folder)
 
 
@@ -185,26 +204,29 @@ def test_index_lists_drawn_and_missing_figures(script_folder: Path, tmp_path: Pa
     assert 'src="fig99_test.png"' in page
     assert "sweep:aaaa" in page
     assert "flexscale run square.yaml" in page
+    assert "Stiffer &amp; stiffer." in page
+    assert f"<li>{reports[0].we_find[0]}</li>" in page
+    assert '<a href="#fig99_test"><img src="fig99_test.png"' in page, "a thumbnail"
+    assert "Fig. 9: forces measured" in page
 
 
-def test_figure_7_draws_both_patterns_with_failures_visible(tmp_path: Path) -> None:
+def test_figure_7_draws_all_patterns_with_failures_visible(tmp_path: Path) -> None:
     squares = with_failures(two_regime_sweep(4), [("closing", 3, 10)])
-    hexagons = two_regime_sweep(6)
     entries = []
-    for name, family, sweep, corners in (
-        ("square", "IH76", squares, 4),
-        ("hexagon", "IH20", hexagons, 6),
-    ):
+    (script,) = find_scripts(PAPER_FIGURES, ["fig07"])
+    for name, family in script.module.PATTERNS.items():
         row = {"family": family, "pattern": name}
+        sweep = squares if name == "square" else two_regime_sweep(6)
         entries += [
             FakeEntry("sweep", name, sweep, row),
-            FakeEntry("cell", name, flat_cell(corners), row),
+            FakeEntry("cell", name, flat_cell(4 if name == "square" else 6), row),
         ]
-    (script,) = find_scripts(PAPER_FIGURES, ["fig07"])
     inputs = {f"{e.row['pattern']}_{e.kind}": e.dataset for e in entries}
     figure = script.module.draw(inputs)
-    assert len(figure.axes) == 10
-    last = figure.axes[-1]
+    n_columns = 5
+    assert len(figure.axes) == n_columns * len(script.module.PATTERNS)
+    row = list(script.module.PATTERNS).index("square")
+    last = figure.axes[n_columns * (row + 1) - 1]
     curve = next(line for line in last.get_lines() if line.get_label() == "0.025")
     expected = squares["moment"].sel(side="closing").isel(curvature=10).values
     np.testing.assert_array_equal(curve.get_ydata()[:-1], expected)
@@ -214,3 +236,5 @@ def test_figure_7_draws_both_patterns_with_failures_visible(tmp_path: Path) -> N
     report = draw_figure(script, FakeRegistry(*entries), tmp_path)
     assert report.outcome == "drawn"
     assert set(report.sources) == {entry.id for entry in entries}
+    assert "square: at 0.0025 mm-1" in report.we_find[row]
+    assert "at 0.0225 mm-1" in report.we_find[row], "the last curvature with all samples"

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import flexscale as fs
 from flexscale.errors import BadInputError, SchemaError
-from flexscale.plotting.figures import find_scripts
+from flexscale.plotting.figure_scripts import find_scripts
 from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from tests.unit.fit_samples import (
     CURVATURES,
@@ -175,12 +175,14 @@ def test_paper_figures_draw_from_datasets(sweep: xr.Dataset, model: xr.Dataset) 
     figure = parameters.module.draw({"fit": model, "sweep": sweep})
     assert len(figure.axes) == 5
     inputs = {}
-    for pattern, corners in (("hexagon", 6), ("square", 4)):
-        parts = {"cell": flat_cell(corners), "sweep": sweep, "fit": model}
+    for pattern in macro.module.PATTERNS:
+        parts = {"cell": flat_cell(6), "sweep": sweep, "fit": model}
         inputs |= {f"{pattern}_{kind}": dataset for kind, dataset in parts.items()}
     assert set(inputs) == set(macro.needs)
     figure = macro.module.draw(inputs)
-    assert len(figure.axes) == 10
+    assert len(figure.axes) == 5 * len(macro.module.PATTERNS)
     drawn = lines(figure.axes[-1], MACRO_COLOR)[0]
     at_samples = np.interp(DIRECTIONS, np.rad2deg(drawn[:, 0]), drawn[:, 1])
     np.testing.assert_allclose(at_samples, sweep["moment"].values[0, :, -1], rtol=1e-4)
+    assert f"{int(model['n_parameters'])} parameters" in macro.module.findings(inputs)[0]
+    assert parameters.module.findings({"fit": model})[0].startswith("a, closing: ")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexscale.errors import BadInputError, SchemaError
-from flexscale.plotting import cell
+from flexscale.plotting import cell, raster
 from flexscale.plotting.cell_geometry import cell_offsets, lattice_motions, pattern_surfaces
 from flexscale.plotting.raster import Surfaces, View, render
 from flexscale.plotting.scene import draw_pattern
@@ -155,3 +155,20 @@ def test_cell_offsets_surround_the_home_cell() -> None:
     assert offsets.shape == (9, 2)
     np.testing.assert_array_equal(offsets.sum(axis=0), 0)
     np.testing.assert_array_equal(cell_offsets(1), [[0, 0]])
+
+
+def test_small_triangles_are_drawn_as_large_ones_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those drawn together in batches give the very pixels of those drawn one by one."""
+    random = np.random.default_rng(5)
+    middle = random.uniform(-3.0, 3.0, (300, 1, 3))
+    corners = middle + random.normal(size=(300, 3, 3)) * random.uniform(0.02, 1.0, (300, 1, 1))
+    surfaces = Surfaces(
+        corners, random.uniform(size=(300, 3)), np.arange(300) % 7, random.uniform(size=300) > 0.5
+    )
+    window = (-3.0, 3.0, -3.0, 3.0)
+    together = render(surfaces, window, 20.0)
+    monkeypatch.setattr(raster, "_SMALL", 0)
+    np.testing.assert_array_equal(together, render(surfaces, window, 20.0))
+    monkeypatch.setattr(raster, "_SMALL", 1000)
+    monkeypatch.setattr(raster, "_CHUNK", 7)
+    np.testing.assert_allclose(together, render(surfaces, window, 20.0), atol=1e-12)

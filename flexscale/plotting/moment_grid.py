@@ -1,0 +1,71 @@
+"""Moments against direction for growing curvature, one row per pattern (paper's Figs. 7 and 8)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from flexscale.plotting.polar import moment_curves
+from flexscale.plotting.polar_axes import common_radius, draw_polar_curves, polar_axes
+from flexscale.plotting.scene import draw_pattern
+from flexscale.plotting.selection import pick_values, subject
+from flexscale.plotting.style import (
+    PAGE_WIDTH,
+    add_note,
+    flexscale_style,
+    new_figure,
+    unit_text,
+)
+
+N_CURVATURES = 4
+
+
+def moment_grid(rows: Sequence[tuple[xr.Dataset, xr.Dataset]], side: str = "closing") -> Figure:
+    """One row per pattern: the pattern from above, then the moment at up to four curvatures.
+
+    Parameters
+    ----------
+    rows : cell and sweep of each pattern.
+    side : "closing" or "opening".
+
+    Returns
+    -------
+    Figure. As in the paper each panel has its own radius; the largest moment is above it.
+    """
+    with flexscale_style():
+        n_columns = N_CURVATURES + 1
+        figure = new_figure(PAGE_WIDTH, PAGE_WIDTH / n_columns * 1.35 * len(rows) + 0.2)
+        notes: list[str] = []
+        for row, (cell, sweep) in enumerate(rows):
+            first = row * n_columns + 1
+            axes = figure.add_subplot(len(rows), n_columns, first)
+            draw_pattern(axes, cell)
+            axes.set_title(subject(sweep))
+            notes += _draw_row(figure, sweep, side, (len(rows), n_columns, first + 1))
+        notes.append("each panel has its own radius, from 0")
+        add_note(figure, list(dict.fromkeys(notes)))
+    return figure
+
+
+def _draw_row(
+    figure: Figure, sweep: xr.Dataset, side: str, place: tuple[int, int, int]
+) -> list[str]:
+    """Moment panels of one pattern from a subplot place on; returns notes on how to read them."""
+    chosen = pick_values(sweep["curvature"], None, n_default=N_CURVATURES, skip_zero=True)
+    moment_unit = unit_text(str(sweep["moment"].attrs.get("units", "N")))
+    curvature_unit = unit_text(str(sweep["curvature"].attrs.get("units", "mm-1")))
+    notes: list[str] = []
+    for column, curve in enumerate(moment_curves(sweep, side, chosen)):
+        axes = polar_axes(figure, (*place[:2], place[2] + column))
+        axes.set_thetagrids(np.arange(0, 360, 30), labels=[""] * 12)
+        # Dots would crowd a panel this small.
+        curve = replace(curve, dotted=np.zeros(len(curve.values), dtype=bool))
+        notes += draw_polar_curves(axes, [curve], common_radius([curve]))
+        finite = curve.values[np.isfinite(curve.values)]
+        largest = f"largest {finite.max():.3g} {moment_unit}" if finite.size else "no result"
+        axes.set_title(f"{curve.label} {curvature_unit}\n{largest}")
+    return notes

@@ -11,29 +11,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.errors import BadInputError
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.load_path import LoadStep, follow_loads
 from flexscale.macro.model import MacroModel
 from flexscale.macro.rigs import RigOptions, finite_series, side_sign, warn_beyond
+from flexscale.macro.rim import HUB, Rim
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_problem import SheetProblem
 from flexscale.macro.simulate import sheet_law
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.sheet_law import SheetLaw
-from flexscale.mesh.sheet import SheetMesh, disc
+from flexscale.mesh.sheet import SheetMesh
 from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
-from flexscale.units import require_positive
 
-#: mm, radius of the hub that holds the disc; the paper gives none.
-HUB = 10.0
 #: degree, where the disc is pushed if nothing else is said.
 ANGLES = tuple(15.0 * k for k in range(24))
-# The rim has six vertices a ring: rings in fours give it one every 15 degrees or more often.
-_RINGS = 4
-_CLOSE = 1e-6  # degree between an angle and a vertex; share of the radius
+_CLOSE = 1e-9  # share of the radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,39 +112,18 @@ class MandrelRig:
         solver: SolverOptions | None = None,
     ) -> None:
         self.options = options or RigOptions()
-        self.radius = require_positive(radius, "disc radius", "mm")
-        self.hub = require_positive(hub, "hub radius", "mm")
+        self.rim = Rim(radius, hub, self.options.size)
         self.curvature_range = curvature_range
         self.solver = solver or SolverOptions(tolerance=TOLERANCE)
-        rings = _RINGS * max(1, round(self.radius / (_RINGS * self.options.size)))
-        if self.hub > self.radius * (1.0 - 0.5 / rings):
-            raise BadInputError(
-                f"A hub of {self.hub:.12g} mm and triangles of {self.radius / rings:.4g} mm leave "
-                f"nothing of a disc of {self.radius:.12g} mm to push: make them smaller."
-            )
-        mesh = disc(self.radius, rings, self.hub)
-        self.clamped = np.hypot(*mesh.points.T) <= self.hub * (1.0 + _CLOSE)
+        mesh = self.rim.mesh()
+        self.clamped = np.hypot(*mesh.points.T) <= hub * (1.0 + _CLOSE)
         self.sheet = build_sheet(mesh, law, element=self.options.element, clamped=self.clamped)
-        self.n_rim = 6 * rings
-
-    def vertex_at(self, angle: float) -> int:
-        """The vertex of the rim at an angle [degree]; BadInputError where there is none."""
-        spacing = 360.0 / self.n_rim
-        place = round(angle / spacing)
-        if abs(place * spacing - angle) > _CLOSE:
-            raise BadInputError(
-                f"The rim has no vertex to push at {angle:.12g} degree: triangles of "
-                f"{6.0 * self.radius / self.n_rim:.6g} mm put one every {spacing:.6g} degree; "
-                "take multiples of that, or another element size."
-            )
-        # The vertices of the rim are the last ones, counterclockwise from 0 degree.
-        return self.sheet.mesh.n_vertices - self.n_rim + place % self.n_rim
 
     def push(self, angle: float, height: float) -> Push:
         """Equilibrium with the rim at an angle [degree] held at a height [mm, closing > 0]."""
         everywhere = np.ones(self.sheet.mesh.n_vertices, dtype=bool)
         positions = self.sheet.rows.positions(everywhere)
-        row = positions[self.vertex_at(angle)]
+        row = positions[self.rim.place(angle) - self.rim.n_vertices]
         conditions = Conditions(self.sheet)
         conditions.clamp(self.clamped)
         lifted = self.sheet.rest + np.array([0.0, 0.0, height])
@@ -167,24 +141,19 @@ class MandrelRig:
         """Push at every angle [degree] by an indentation [mm]; see `simulate_mandrel`."""
         sign = side_sign(side)
         asked = finite_series(angles, "mandrel angle", "degree")
-        if require_positive(indentation, "indentation", "mm") >= self.radius - self.hub:
-            raise BadInputError(
-                f"An indentation of {indentation:.12g} mm bends a disc of {self.radius:.12g} mm on "
-                f"a hub of {self.hub:.12g} mm by more than a right angle: stay below "
-                f"{self.radius - self.hub:.6g} mm."
-            )
+        self.rim.require_indentation(indentation)
+        for angle in asked.tolist():
+            self.rim.place(angle)  # bad input is refused before the first solve
         # Half a turn takes mesh and curvature tensors to themselves: both halves are the same.
         halves, place = np.unique(np.round(asked % 180.0, 6) % 180.0, return_inverse=True)
-        for angle in halves.tolist():
-            self.vertex_at(angle)  # all bad input is refused before the first solve
         pushes = [self.push(angle, sign * indentation) for angle in halves.tolist()]
         first = pushes[int(place[0])]
         force, energy, curvature = np.array([push.numbers for push in pushes])[place].T
         steps = [pushes[index].step for index in place.tolist()]
         warn_beyond("The disc on the mandrel", curvature, self.curvature_range)
         return MandrelTest(
-            radius=self.radius,
-            hub=self.hub,
+            radius=self.rim.radius,
+            hub=self.rim.hub,
             indentation=indentation,
             side=side,
             mesh=self.sheet.mesh,

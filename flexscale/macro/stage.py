@@ -71,6 +71,29 @@ class StageTest:
     positions: FloatArray
 
 
+def require_shortenings(shortenings: ArrayLike, length: float) -> FloatArray:
+    """(n,) shortenings [mm] of a strip of a length [mm].
+
+    Raises
+    ------
+    UnitRangeError : none, or one that is not finite, or the first is not positive.
+    BadInputError : they do not increase, or reach the length.
+    """
+    asked = finite_series(shortenings, "shortening", "mm")
+    require_positive(float(asked[0]), "shortening", "mm")  # flat strips carry any force
+    if (np.diff(asked) <= 0.0).any():
+        raise BadInputError(
+            f"Shortenings must increase, in mm, not {asked.tolist()}: the strip is followed from "
+            "one to the next."
+        )
+    if asked[-1] >= length:
+        raise BadInputError(
+            f"A shortening of {asked[-1]:.12g} mm is more than a strip of {length:.12g} mm has: "
+            "stay below its length."
+        )
+    return asked
+
+
 class StageRig:
     """A strip between two hinges.
 
@@ -125,7 +148,7 @@ class StageRig:
     def test(self, shortenings: ArrayLike = SHORTENINGS, side: str = "closing") -> StageTest:
         """Bring the hinges closer by one shortening [mm] after another; see `simulate_stage`."""
         sign = side_sign(side)
-        asked = self._checked(shortenings)
+        asked = require_shortenings(shortenings, self.length)
         last = float(asked[-1])
         problem = self.problem(last)
         steps: list[LoadStep] = []
@@ -177,21 +200,6 @@ class StageRig:
         if not found:
             return np.full((n, 3), np.nan)
         return found[-1].y[self.sheet.rows.positions(np.ones(n, dtype=bool))]
-
-    def _checked(self, shortenings: ArrayLike) -> FloatArray:
-        asked = finite_series(shortenings, "shortening", "mm")
-        require_positive(float(asked[0]), "shortening", "mm")  # flat strips carry any force
-        if (np.diff(asked) <= 0.0).any():
-            raise BadInputError(
-                f"Shortenings must increase, in mm, not {asked.tolist()}: the strip is followed "
-                "from one to the next."
-            )
-        if asked[-1] >= self.length:
-            raise BadInputError(
-                f"A shortening of {asked[-1]:.12g} mm is more than a strip of "
-                f"{self.length:.12g} mm has: stay below its length."
-            )
-        return asked
 
     def _numbers(self, step: LoadStep, sign: float) -> tuple[float, float, float, float]:
         """Force, energy, deflection, largest curvature; nan unless converged."""

@@ -93,6 +93,7 @@ ALL = (
     Page("supercells"),
     Page("fit_errors", (*CELL, "macro"), reads_sweeps=True),
     Page("fitted_sheet", (*CELL, "macro"), reads_sweeps=True),
+    Page("rigs", (*CELL, "macro"), reads_sweeps=True),
     Page("macro_shell", SHEET),
     Page("fabricate", ("tilings", "patterns", "fabricate")),
 )

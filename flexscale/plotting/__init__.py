@@ -4,8 +4,10 @@ from flexscale.plotting.curves import curves
 from flexscale.plotting.fits import fit
 from flexscale.plotting.macro_polar import macro_polar
 from flexscale.plotting.polar import polar, stiffness
+from flexscale.plotting.rigs import rig
 from flexscale.plotting.saving import save_figure
 from flexscale.plotting.scene import cell
+from flexscale.plotting.sheets import sheet
 from flexscale.plotting.style import flexscale_style
 
 __all__ = [
@@ -15,6 +17,8 @@ __all__ = [
     "flexscale_style",
     "macro_polar",
     "polar",
+    "rig",
     "save_figure",
+    "sheet",
     "stiffness",
 ]

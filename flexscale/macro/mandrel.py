@@ -39,7 +39,7 @@ class MandrelTest:
     ----------
     radius, hub, indentation : mm.
     side : "closing" or "opening".
-    mesh : triangles at rest.
+    mesh : triangles at rest, from the hub outward.
     angles : (n,) degree, where the rim is pushed, in the pattern's coordinates.
     force : (n,) N, of the probe, along its push.
     energy : (n,) N mm.

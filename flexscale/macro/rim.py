@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from flexscale.errors import BadInputError
 from flexscale.mesh.sheet import SheetMesh, disc
 from flexscale.units import require_positive
@@ -12,7 +14,7 @@ from flexscale.units import require_positive
 HUB = 10.0
 # The rim has six vertices a ring: rings in fours give it one every 15 degrees or more often.
 _RINGS = 4
-_CLOSE = 1e-6  # degree between an angle and a vertex
+_CLOSE = 1e-6  # degree between an angle and a vertex; share of the hub's radius
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,13 @@ class Rim:
         return 6 * self.rings
 
     def mesh(self) -> SheetMesh:
-        """The disc, with a ring on the hub; the rim's vertices come last, from 0 degree on."""
-        return disc(self.radius, self.rings, self.hub)
+        """The disc outside of its hub; the rim's vertices come last, from 0 degree on."""
+        whole = disc(self.radius, self.rings, self.hub)
+        # Vertices come from the middle outward, so what lies in the hub comes first.
+        inside = np.hypot(*whole.points.T) < self.hub * (1.0 - _CLOSE)
+        kept = ~inside[whole.triangles].any(axis=1)
+        n_inside = int(inside.sum())
+        return SheetMesh(whole.points[n_inside:], whole.triangles[kept] - n_inside)
 
     def place(self, angle: float) -> int:
         """Which vertex of the rim is at an angle [degree], counted from 0 degree.

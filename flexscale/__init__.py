@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from flexscale.homogenize.tangent import tangent_stiffness
     from flexscale.macro.bent_sheet import SheetOptions
     from flexscale.macro.fit import fit
+    from flexscale.macro.mandrel import simulate_mandrel
     from flexscale.macro.model import MacroModel
+    from flexscale.macro.rigs import RigOptions
     from flexscale.macro.simulate import simulate_sheet
+    from flexscale.macro.stage import simulate_stage
     from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -40,6 +43,7 @@ __all__ = [
     "MeshOptions",
     "NeoHookean",
     "Pattern",
+    "RigOptions",
     "ScaleOptions",
     "ScaledSheet",
     "SheetOptions",
@@ -54,7 +58,9 @@ __all__ = [
     "named_patterns",
     "open_registry",
     "plot",
+    "simulate_mandrel",
     "simulate_sheet",
+    "simulate_stage",
     "sweep",
     "synthesize_scales",
     "tangent_stiffness",
@@ -69,6 +75,7 @@ _HOMES = {
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",
+    "RigOptions": "flexscale.macro.rigs",
     "SheetOptions": "flexscale.macro.bent_sheet",
     "ScaledSheet": "flexscale.synthesis.scaled_sheet",
     "ScaleOptions": "flexscale.mechanics.scale_options",
@@ -82,7 +89,9 @@ _HOMES = {
     "named_pattern": "flexscale.patterns.named",
     "named_patterns": "flexscale.patterns.named",
     "open_registry": "flexscale.datasets.registry",
+    "simulate_mandrel": "flexscale.macro.mandrel",
     "simulate_sheet": "flexscale.macro.simulate",
+    "simulate_stage": "flexscale.macro.stage",
     "sweep": "flexscale.homogenize.sweep",
     "synthesize_scales": "flexscale.synthesis.scaled_sheet",
     "tangent_stiffness": "flexscale.homogenize.tangent",

@@ -171,7 +171,7 @@ def build_dataset(
 
     Parameters
     ----------
-    kind : "cell", "sweep", "tangent", "shape" or "fit".
+    kind : a kind of `schema.SCHEMAS`.
     arrays : coordinates and variables by name; for a cell the arrays of a `PeriodicMesh`.
     scalars, config, recipe : as in `build_sweep_dataset`.
 
@@ -263,12 +263,13 @@ def _labelled(
             f"{declared.name} of a {schema.name} dataset has shape {data.shape}, "
             f"but its dimensions are ({', '.join(declared.dims)})."
         )
-    per_sample = declared.dims[:3] == schema.all["status"].dims if failed is not None else False
+    samples = schema.all["status"].dims if failed is not None else ()
+    per_sample = failed is not None and declared.dims[: len(samples)] == samples
     if failed is not None and per_sample and declared.dtype == "float64":
         if data.shape[: failed.ndim] != failed.shape:
             raise SchemaError(
                 f"{declared.name} has shape {data.shape}, status has {failed.shape}: "
-                "both must hold one value per side, direction and curvature."
+                f"both must hold one value per {', '.join(samples)}."
             )
         data[failed] = np.nan
     attrs: dict[str, Any] = {"long_name": declared.long_name}

@@ -11,10 +11,11 @@ import xarray as xr
 from flexscale.datasets.build import directional_stiffness
 from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_parameters
 from flexscale.datasets.identity import SHORT_DIGEST
+from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.schema import ENERGY_PARTS, SWEEP, schema_of
+from flexscale.datasets.sheet_checks import check_rig, check_sheet_samples
 from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
-from flexscale.status import SolveStatus
 
 #: share of the largest value that sums and zeros may be off by rounding
 ROUNDING = 1e-9
@@ -75,53 +76,21 @@ def _check_attributes(dataset: xr.Dataset, schema: Schema) -> None:
 
 
 def _check_sweep(dataset: xr.Dataset) -> None:
-    sides = [str(side) for side in dataset["side"].values]
-    if not sides or len(set(sides)) != len(sides) or not set(sides) <= set(SIDES):
-        raise SchemaError(f"The sides of a sweep are {sides}, not closing and opening, once each.")
+    check_sides(dataset, "sweep")
     direction = dataset["direction"].values
-    _check_axis(direction, "direction", "degree")
+    check_axis(direction, "direction", "degree")
     if direction[0] < 0.0 or direction[-1] >= 180.0:
         raise SchemaError("Directions of a sweep must lie in [0, 180) degree.")
     curvature = dataset["curvature"].values
-    _check_axis(curvature, "curvature", "mm-1")
+    check_axis(curvature, "curvature", "mm-1")
     if curvature[0] < 0.0:
         raise SchemaError("Curvatures of a sweep must not be negative: the side carries the sign.")
-    status = dataset["status"].values
-    if not np.isin(status, [int(item) for item in SolveStatus]).all():
-        raise SchemaError("A status of the sweep is none of the known ones.")
+    status = dataset["status"]
+    check_status(status, "sweep")
     for name, variable in dataset.data_vars.items():
-        if variable.dims[:3] == dataset["status"].dims and variable.dtype.kind == "f":
-            partial = SWEEP.all[str(name)].partial
-            _check_finite(dataset, str(name), status == SolveStatus.converged, partial)
+        if variable.dims[:3] == status.dims and variable.dtype.kind == "f":
+            check_numbers(variable, status, partial=SWEEP.all[str(name)].partial)
     _check_energy(dataset)
-
-
-def _check_axis(values: np.ndarray, name: str, unit: str) -> None:
-    if values.size == 0 or not np.isfinite(values).all() or not (np.diff(values) > 0).all():
-        raise SchemaError(
-            f"The {name} axis [{unit}] must hold finite, strictly increasing values, "
-            f"not {values.tolist()[:12]}."
-        )
-
-
-def _check_finite(dataset: xr.Dataset, name: str, converged: np.ndarray, partial: bool) -> None:
-    """Numbers exactly where the solve converged; all missing is fine when a comment says why."""
-    finite = np.isfinite(dataset[name].values)
-    if finite.ndim > converged.ndim:
-        converged = np.broadcast_to(converged[..., None], finite.shape)
-    if "comment" in dataset[name].attrs and not finite.any():
-        return
-    wrong = np.argwhere(finite & ~converged if partial else finite != converged)
-    if wrong.size:
-        side, direction, curvature = wrong[0][:3]
-        value = dataset[name].values[tuple(wrong[0])]
-        status = SolveStatus(int(dataset["status"].values[side, direction, curvature]))
-        raise SchemaError(
-            f"{name} is {value} at side {dataset['side'].values[side]}, "
-            f"direction {dataset['direction'].values[direction]:g} degree, "
-            f"curvature {dataset['curvature'].values[curvature]:g} mm-1, "
-            f"where the status is {status.name}: numbers belong to converged samples only."
-        )
 
 
 def _check_energy(dataset: xr.Dataset) -> None:
@@ -145,7 +114,7 @@ def _check_tangent(dataset: xr.Dataset) -> None:
     for name in ("matrix", "in_plane"):
         _check_stiffness(dataset[name].values, name)
     matrix, direction = dataset["matrix"].values, dataset["direction"].values
-    _check_axis(direction, "direction", "degree")
+    check_axis(direction, "direction", "degree")
     expected = directional_stiffness(matrix, direction)
     if np.abs(dataset["stiffness"].values - expected).max() > ROUNDING * np.abs(matrix).max():
         raise SchemaError("The directional stiffness does not follow from the matrix.")
@@ -163,7 +132,7 @@ def _check_fit(dataset: xr.Dataset) -> None:
     if list(dataset["parameter"].values) != list(PARAMETERS):
         raise SchemaError(f"The parameters of a fit are {', '.join(PARAMETERS)}, in this order.")
     direction = dataset["direction"].values
-    _check_axis(direction, "direction", "degree")
+    check_axis(direction, "direction", "degree")
     for name in ("cos_coefficient", "sin_coefficient"):
         values = dataset[name].values
         if not np.isfinite(values).all() or np.ptp(values[:, 0], axis=0).max() > 0.0:
@@ -241,4 +210,6 @@ _CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
     "tangent": _check_tangent,
     "shape": _check_mesh(_SHAPE_INDICES),
     "fit": _check_fit,
+    "sheet": check_sheet_samples,
+    "rig": check_rig,
 }

@@ -6,11 +6,9 @@ would notice raises the kind's version.
 
 from __future__ import annotations
 
-from typing import Any
-
-from flexscale.datasets.variables import Schema, Variable
+from flexscale.datasets.sheet_schema import RIG, SHEET
+from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 from flexscale.errors import UnknownNameError, suggest
-from flexscale.status import FLAG_MEANINGS, SolveStatus
 
 _DIRECTION = Variable("direction", ("direction",), "float64", "degree", "bending direction")
 _SAMPLE = ("side", "direction", "curvature")
@@ -33,11 +31,6 @@ _RETURNING = {
     "comment": "of the equilibrium met on the way back from the next curvature, where the energy "
     "curved downward on the way there; another value than without `_returning` means that there "
     "is more than one branch; nan where the way was stable"
-}
-
-STATUS_ATTRS: dict[str, Any] = {
-    "flag_values": [int(status) for status in SolveStatus],
-    "flag_meanings": FLAG_MEANINGS,
 }
 
 SWEEP = Schema(
@@ -307,7 +300,9 @@ FIT = Schema(
     ),
 )
 
-SCHEMAS: dict[str, Schema] = {item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE, FIT)}
+SCHEMAS: dict[str, Schema] = {
+    item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE, FIT, SHEET, RIG)
+}
 
 
 def schema_of(kind: str) -> Schema:

@@ -29,7 +29,7 @@ from flexscale.datasets.locks import STAGING, working_folder
 from flexscale.datasets.provenance import environment
 from flexscale.datasets.schema import SCHEMAS, schema_of
 from flexscale.datasets.staging import FileCheckpoint, sync
-from flexscale.datasets.variables import SCALARS
+from flexscale.datasets.variables import SCALARS, statuses
 from flexscale.errors import DatasetError, NonReproducibleError, SchemaError
 from flexscale.status import SolveStatus
 
@@ -100,7 +100,7 @@ class Store:
         Parameters
         ----------
         dataset : follows the schema of `kind`.
-        kind : "cell", "sweep", "tangent", "shape" or "fit".
+        kind : a kind of `schema.SCHEMAS`.
         recipe, inputs : what it was made from; they name it.
         record : JSON-able facts of this run that are not part of the result (wall time, memory,
             sentences on failed samples), kept in record.json under "run".
@@ -184,7 +184,7 @@ def _record_of(
     inputs: Sequence[Entry],
     run: Mapping[str, Any],
 ) -> dict[str, Any]:
-    status = dataset["status"].values if "status" in dataset else np.zeros(0)
+    ends = [status.values for status in statuses(dataset).values()]
     return {
         "kind": kind,
         "schema": SCHEMAS[kind].name,
@@ -196,8 +196,8 @@ def _record_of(
             item.name: dataset[item.name].item() for item in SCALARS if item.name in dataset.coords
         },
         "sizes": {str(name): int(size) for name, size in dataset.sizes.items()},
-        "samples": int(status.size),
-        "failed": int(np.count_nonzero(status != SolveStatus.converged)),
+        "samples": sum(end.size for end in ends),
+        "failed": sum(int(np.count_nonzero(end != SolveStatus.converged)) for end in ends),
         "code": {
             name: dataset.attrs[f"flexscale_{name}"] for name in ("version", "commit", "dirty")
         },

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from flexscale.status import FLAG_MEANINGS, SolveStatus
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -16,6 +18,12 @@ VARIANTS = ("tangent", "paper")
 #: What the errors of a fit were measured on, and how they were summed up.
 ASSESSMENTS = ("law", "model", "held_out_curvature", "held_out_direction")
 STATISTICS = ("median", "percentile_95", "worst")
+
+#: Attributes of every status: its values and what they mean.
+STATUS_ATTRS: dict[str, Any] = {
+    "flag_values": [int(status) for status in SolveStatus],
+    "flag_meanings": FLAG_MEANINGS,
+}
 
 
 @dataclass(frozen=True)
@@ -66,6 +74,16 @@ def derive(values: xr.DataArray, name: str, units: str, long_name: str) -> xr.Da
     result = values.rename(name)
     result.attrs = {"units": units, "long_name": long_name}
     return result
+
+
+def statuses(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Statuses of a dataset by what they are of: "" for its only one, "mandrel" for
+    `mandrel_status`; {} for datasets without samples."""
+    return {
+        str(name).removesuffix("status").removesuffix("_"): variable
+        for name, variable in dataset.data_vars.items()
+        if name == "status" or str(name).endswith("_status")
+    }
 
 
 def _scalar(name: str, units: str, long_name: str) -> Variable:

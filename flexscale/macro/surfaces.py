@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from scipy.optimize import brentq
 
 from flexscale.mechanics.energy import FloatArray
 
@@ -55,5 +56,20 @@ def cylinder(curvature: float) -> Surface:
         tangent = np.stack([np.cos(angle), zero, np.sin(angle)], axis=1)
         across = np.broadcast_to([0.0, 1.0, 0.0], tangent.shape)
         return np.stack([along, v, up], axis=1), np.stack([tangent, across], axis=2)
+
+    return place
+
+
+def hinged_arc(length: float, chord: float, sign: float) -> Surface:
+    """A strip along u in [0, length] as a circular arc from (0, v, 0) to (chord, v, 0), chord below
+    the length, mm; sign +1 closes, -1 opens."""
+    half = brentq(lambda angle: np.sinc(angle / np.pi) - chord / length, 1e-9, np.pi)
+    bent = cylinder(sign * 2.0 * float(half) / length)
+    end = bent(np.array([[0.5 * length, 0.0]]))[0][0]
+    shift = np.array([0.5 * chord, 0.0, -end[2]])
+
+    def place(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        positions, gradients = bent(points - [0.5 * length, 0.0])
+        return positions + shift, gradients
 
     return place

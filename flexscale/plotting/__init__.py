@@ -4,9 +4,11 @@ from flexscale.plotting.curves import curves
 from flexscale.plotting.fits import fit
 from flexscale.plotting.macro_polar import macro_polar
 from flexscale.plotting.polar import polar, stiffness
+from flexscale.plotting.rigs import rig
 from flexscale.plotting.saving import save_figure
 from flexscale.plotting.scaled_sheet import scaled_sheet
 from flexscale.plotting.scene import cell
+from flexscale.plotting.sheets import sheet
 from flexscale.plotting.style import flexscale_style
 
 __all__ = [
@@ -16,7 +18,9 @@ __all__ = [
     "flexscale_style",
     "macro_polar",
     "polar",
+    "rig",
     "save_figure",
     "scaled_sheet",
+    "sheet",
     "stiffness",
 ]

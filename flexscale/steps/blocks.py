@@ -6,6 +6,7 @@ Defaults that belong to a class of a lower floor are taken from its signature, n
 from __future__ import annotations
 
 import inspect
+import itertools
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
@@ -15,7 +16,7 @@ from flexscale.errors import UnknownNameError, suggest
 from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.named import find_named_pattern
 from flexscale.patterns.pattern import Pattern
-from flexscale.steps.quantities import declared, unit
+from flexscale.steps.quantities import declared, series, unit
 
 Length = Annotated[float, unit("mm")]
 Area = Annotated[float, unit("mm2")]
@@ -24,6 +25,9 @@ Modulus = Annotated[float, unit("MPa")]
 Direction = Annotated[float, unit("degree")]
 DoubleBending = Annotated[float, unit("N mm3")]
 Number = Annotated[float, unit("1")]
+Lengths = Annotated[tuple[Length, ...], series("mm")]
+Directions = Annotated[tuple[Direction, ...], series("degree")]
+Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
 Side = Literal["closing", "opening"]
 
 MATERIALS = {"PETG": PETG, "TPU": TPU}
@@ -46,6 +50,25 @@ class Block(BaseModel):
                         {"key": repr(key), "hint": suggest(key, cls.model_fields)},
                     )
         return data
+
+
+def increasing(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Validator of a series: the values, if they increase strictly."""
+    for before, after in itertools.pairwise(values):
+        if after <= before:
+            raise PydanticCustomError(
+                "order",
+                "values must increase, but {after} follows {before}",
+                {"before": f"{before:g}", "after": f"{after:g}"},
+            )
+    return values
+
+
+def once_each(sides: tuple[str, ...]) -> tuple[str, ...]:
+    """Validator of sides: these, if none is named twice."""
+    if len(set(sides)) != len(sides):
+        raise PydanticCustomError("twice", "a side is named twice", {})
+    return sides
 
 
 def _default(owner: type, name: str) -> Any:

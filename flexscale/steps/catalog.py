@@ -116,6 +116,51 @@ class FitParameters(Parameters):
     w_biaxial: float | None
 
 
+class SheetParameters(Parameters):
+    """Also sides, curvatures (mm-1), direction (degree) and sizes (mm) of a sheet between strips.
+
+    `size` is that of its triangles.
+    """
+
+    length: float
+    width: float
+    curvatures: tuple[float, ...]
+    direction: float
+    sides: tuple[str, ...]
+    size: float
+
+
+class MandrelParameters(BaseModel):
+    """A disc on the mandrel: mm, and angles in degree."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    radius: float
+    hub: float
+    indentation: float
+    angles: tuple[float, ...]
+
+
+class StageParameters(BaseModel):
+    """A strip on the stage: mm, and its direction in degree."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    length: float
+    width: float
+    direction: float
+    shortenings: tuple[float, ...]
+
+
+class RigParameters(Parameters):
+    """Also the devices to use, the sides to bend to, and the size of triangles (mm)."""
+
+    sides: tuple[str, ...]
+    size: float
+    mandrel: MandrelParameters | None
+    stage: StageParameters | None
+
+
 @dataclass(frozen=True)
 class Step:
     """One kind of work.
@@ -158,5 +203,7 @@ STEPS: dict[str, Step] = {
         Step("sweep", 3, SweepParameters, inputs=("cell",), parallel=True),
         Step("shape", 3, ShapeParameters, inputs=("cell",)),
         Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
+        Step("sheet", 1, SheetParameters, inputs=("fit",)),
+        Step("rig", 1, RigParameters, inputs=("fit",)),
     )
 }

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 import yaml
@@ -24,17 +23,22 @@ from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import (
     Block,
     Curvature,
+    Curvatures,
     Direction,
+    Directions,
     DoubleBending,
     PatternBlock,
     Side,
+    increasing,
+    once_each,
 )
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
-from flexscale.steps.quantities import declared, series
+from flexscale.steps.quantities import declared
+from flexscale.steps.sheet_blocks import RigsBlock, SheetBlock
 
-Directions = Annotated[tuple[Direction, ...], series("degree")]
-Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
-FigureName = Literal["polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar"]
+FigureName = Literal[
+    "polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar", "sheet", "rig"
+]
 #: Blocks a figure needs.
 _FIGURE_BLOCKS = {
     "polar": "sweep",
@@ -44,6 +48,8 @@ _FIGURE_BLOCKS = {
     "fit": "fit",
     "fitted_curves": "fit",
     "macro_polar": "fit",
+    "sheet": "sheet",
+    "rig": "rigs",
 }
 
 
@@ -66,7 +72,7 @@ class SweepBlock(Block):
             raise PydanticCustomError(
                 "range", "directions lie in [0, 180) degree: bending has period 180", {}
             )
-        return _increasing(values)
+        return increasing(values)
 
     @field_validator("curvatures")
     @classmethod
@@ -75,14 +81,12 @@ class SweepBlock(Block):
             raise PydanticCustomError(
                 "range", "the first curvature must be 0: every sweep starts from the flat sheet", {}
             )
-        return _increasing(values)
+        return increasing(values)
 
     @field_validator("sides")
     @classmethod
     def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
-        if len(set(values)) != len(values):
-            raise PydanticCustomError("twice", "a side is named twice", {})
-        return values
+        return once_each(values)
 
 
 class TangentBlock(Block):
@@ -95,7 +99,7 @@ class TangentBlock(Block):
     @field_validator("directions")
     @classmethod
     def _directions_increase(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        return _increasing(values)
+        return increasing(values)
 
 
 class FitBlock(Block):
@@ -133,6 +137,8 @@ class Experiment(Block):
     sweep: SweepBlock | None = declared(None, "bending sweep")
     fit: FitBlock | None = declared(None, "two-regime law of the sweep; {} for defaults")
     shapes: tuple[ShapeBlock, ...] = declared((), "deformed cells")
+    sheet: SheetBlock | None = declared(None, "the fit between end strips; {} for defaults")
+    rigs: RigsBlock | None = declared(None, "the fit on the testing devices")
     figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
 
     @field_validator("patterns")
@@ -173,6 +179,15 @@ class Experiment(Block):
             require_axes(np.array(self.sweep.directions), np.array(self.sweep.curvatures))
         return self
 
+    @model_validator(mode="after")
+    def _sheets_have_a_fit(self) -> Self:
+        for name in ("sheet", "rigs"):
+            if getattr(self, name) is not None and self.fit is None:
+                raise PydanticCustomError(
+                    "fit", "`{name}` needs the block `fit`, which is missing", {"name": name}
+                )
+        return self
+
     def build_patterns(self) -> dict[str, Pattern]:
         """Every pattern, built and checked, curvatures against the scale height included.
 
@@ -201,17 +216,6 @@ class Experiment(Block):
                 f"center lies inside the scales, which are {pattern.scale_height:g} mm high: stay "
                 f"below {limit:g} mm-1."
             )
-
-
-def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
-    for before, after in itertools.pairwise(values):
-        if after <= before:
-            raise PydanticCustomError(
-                "order",
-                "values must increase, but {after} follows {before}",
-                {"before": f"{before:g}", "after": f"{after:g}"},
-            )
-    return values
 
 
 class _Loader(yaml.SafeLoader):

@@ -68,6 +68,16 @@ FIGURES = {
         lambda plot, fit, sweep: plot.macro_polar(fit, sweep),
         "Bending moment against bending direction: native samples and the macro model.",
     ),
+    "sheet": FigureRecipe(
+        ("sheet",),
+        lambda plot, sheet: plot.sheet(sheet),
+        "Energy of a sheet between end strips against their curvature.",
+    ),
+    "rig": FigureRecipe(
+        ("rig",),
+        lambda plot, rig: plot.rig(rig),
+        "Force on the testing devices: around the mandrel, and against the stage's shortening.",
+    ),
 }
 
 

@@ -30,7 +30,7 @@ class Job:
     pattern, family : of the scale pattern.
     recipe : its identity apart from its inputs.
     inputs : ids of the jobs whose results it takes.
-    size : number of samples it computes; 1 for all but sweeps and shapes.
+    size : number of samples it computes; 1 for what has no samples.
     """
 
     id: str
@@ -139,6 +139,11 @@ def _wanted_steps(
         wanted["sweep"] = (bends.model_dump() | options, size)
     if experiment.fit is not None:
         wanted["fit"] = (experiment.fit.model_dump(), 1)
+    if experiment.sheet is not None:
+        sheet = experiment.sheet
+        wanted["sheet"] = (sheet.model_dump(), len(sheet.sides) * len(sheet.curvatures))
+    if experiment.rigs is not None:
+        wanted["rig"] = (experiment.rigs.model_dump(), experiment.rigs.n_samples)
     if experiment.shapes:
         samples: object = [shape.model_dump() for shape in experiment.shapes]
         wanted["shape"] = ({"samples": samples} | options, len(experiment.shapes))

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from flexscale.datasets.store import Entry, Store
+from flexscale.datasets.variables import statuses
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.solve.newton import SolverOptions
@@ -27,19 +28,34 @@ def failed_samples(dataset: xr.Dataset) -> list[str]:
     Directions filled in by symmetry are left out; their source is listed. Datasets without a
     status have none.
     """
-    if "status" not in dataset:
-        return []
     lines = []
-    sides, directions = dataset["side"].values, dataset["direction"].values
-    for side, direction, curvature in np.argwhere(dataset["status"].values != 0):
-        if dataset["symmetry_source"].values[side, direction] != directions[direction]:
-            continue
-        status = SolveStatus(int(dataset["status"].values[side, direction, curvature]))
-        lines.append(
-            f"{status.name}: direction {directions[direction]:g} degree, {sides[side]}, "
-            f"curvature {dataset['curvature'].values[curvature]:g} mm-1"
-        )
+    for device, status in statuses(dataset).items():
+        dims = sorted(map(str, status.dims), key=lambda dim: _ORDER.get(dim, len(_ORDER)))
+        for index in np.argwhere(status.values != SolveStatus.converged):
+            sample = status[tuple(index)]
+            if _is_copied(dataset, sample):
+                continue
+            facts = [device] * bool(device) + [_fact(sample[dim]) for dim in dims]
+            lines.append(f"{SolveStatus(int(sample)).name}: {', '.join(facts)}")
     return lines
+
+
+_ORDER = {"direction": 0, "side": 1}
+
+
+def _is_copied(dataset: xr.Dataset, sample: xr.DataArray) -> bool:
+    """Whether symmetry filled the sample in."""
+    if "symmetry_source" not in dataset:
+        return False
+    source = dataset["symmetry_source"].sel(side=sample["side"], direction=sample["direction"])
+    return bool(source != sample["direction"])
+
+
+def _fact(coordinate: xr.DataArray) -> str:
+    """For instance "closing", or "angle 30 degree"."""
+    if coordinate.dtype.kind not in "fi":
+        return str(coordinate.values)
+    return f"{coordinate.name} {float(coordinate):g} {coordinate.attrs.get('units', '')}".rstrip()
 
 
 def outcome(store: Store, entry: Entry) -> tuple[str, list[str]]:

@@ -56,19 +56,22 @@ def law_sweep(
     curvatures: np.ndarray = CURVATURES,
     closing: Function = kappa_0_of,
     opening: Function | None = no_contact,
+    before: Function = a_of,
+    beyond: Function = b_of,
     noise: float = 0.0,
     touches: bool = False,
     softening: float = 0.0,
     config: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
-    """Sweep of a_of, b_of and onsets by side, nan for no contact; opening None leaves it out.
+    """Sweep of a and b (a_of, b_of if not given) and onsets by side.
 
-    noise : relative, on energy and moment. touches : store contact pairs beyond the onset. config :
-    what the sweep says of its making, too little to make its cell if not given.
+    closing, opening : nan for no contact; opening None leaves it out. noise : relative, on energy
+    and moment. touches : store contact pairs beyond the onset. config : what the sweep says of its
+    making, too little to make its cell if not given.
     """
     onsets = {"closing": closing} | ({"opening": opening} if opening else {})
     table = np.stack([onset(directions) for onset in onsets.values()])[..., None]
-    a, b = a_of(directions)[:, None], b_of(directions)[:, None]
+    a, b = before(directions)[:, None], beyond(directions)[:, None]
     shape = (len(onsets), len(directions), len(curvatures))
     scatter = 1.0 + noise * np.random.default_rng(5).standard_normal((2, *shape))
     energy = two_regime_energy(curvatures, a, b, table, softening) * scatter[0]

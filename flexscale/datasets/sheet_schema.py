@@ -1,0 +1,105 @@
+"""What datasets of whole sheets hold: sheets bent between end strips, and the testing devices."""
+
+from __future__ import annotations
+
+from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
+
+Measured = tuple[Variable, ...]
+
+_SIDE = Variable("side", ("side",), "text", "", "side to which the sheet is bent")
+_BENT = ("side", "curvature")
+_COUNTS = (
+    ("newton_iterations", "Newton iterations"),
+    ("negative_eigenvalues", "negative eigenvalues of the Hessian"),
+)
+
+
+def _number(name: str, dims: tuple[str, ...], units: str, long_name: str) -> Variable:
+    return Variable(name, dims, "float64", units, long_name)
+
+
+SHEET = Schema(
+    "sheet",
+    1,
+    "Rectangular sheet of a macro model, bent between two end strips",
+    coordinates=(
+        _SIDE,
+        _number("curvature", ("curvature",), "mm-1", "curvature of the end strips"),
+        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+        _number("signed_curvature", _BENT, "mm-1", "curvature, closing > 0"),
+        _number("length", (), "mm", "length of the sheet, along which it is bent"),
+        _number("width", (), "mm", "width of the sheet"),
+        _number("direction", (), "degree", "direction of the length in the pattern's coordinates"),
+    ),
+    variables=(
+        _number("energy", _BENT, "N mm", "elastic energy of the sheet"),
+        _number("energy_density", _BENT, "N mm-1", "energy per rest area"),
+        _number("moment", _BENT, "N", "mean bending moment per width, to its side"),
+        _number("slide", _BENT, "mm", "slide of the free strip along the arc, away from the other"),
+        _number("largest_curvature", _BENT, "mm-1", "largest principal curvature in the sheet"),
+        Variable("newton_iterations", _BENT, "int32", "1", "Newton iterations"),
+        Variable(
+            "negative_eigenvalues", _BENT, "int32", "1", "negative eigenvalues of the Hessian"
+        ),
+        Variable("status", _BENT, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),
+    ),
+)
+
+
+def _of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> Measured:
+    """Variables of one device over side and its own axis; a dataset has all of them or none."""
+    dims = ("side", axis)
+    common = (
+        ("energy", "N mm", f"elastic energy of the {part}"),
+        ("largest_curvature", "mm-1", f"largest principal curvature in the {part}"),
+    )
+    numbers = tuple(
+        Variable(f"{device}_{name}", dims, "float64", units, long_name, True)
+        for name, units, long_name in (*own, *common)
+    )
+    counts = tuple(
+        Variable(f"{device}_{name}", dims, "int32", "1", f"{long_name}, {part}", True)
+        for name, long_name in _COUNTS
+    )
+    end = f"end of the solve, {part}"
+    status = Variable(f"{device}_status", dims, "int8", "1", end, True, STATUS_ATTRS)
+    return (*numbers, *counts, status)
+
+
+def _size(name: str, units: str, long_name: str) -> Variable:
+    return Variable(name, (), "float64", units, long_name, True)
+
+
+#: Device -> its axis, sizes and variables; a dataset of kind rig has one device or both.
+DEVICE_COORDINATES = {
+    "mandrel": (
+        Variable("angle", ("angle",), "float64", "degree", "angle around the rim", True),
+        _size("mandrel_radius", "mm", "radius of the disc"),
+        _size("mandrel_hub", "mm", "radius of the hub that holds the disc"),
+        _size("mandrel_indentation", "mm", "indentation of the rim, normal to the disc"),
+    ),
+    "stage": (
+        Variable("shortening", ("shortening",), "float64", "mm", "shortening of the strip", True),
+        _size("stage_length", "mm", "length of the strip between its hinges"),
+        _size("stage_width", "mm", "width of the strip"),
+        _size("stage_direction", "degree", "direction of the length in the pattern's coordinates"),
+    ),
+}
+DEVICE_VARIABLES = {
+    "mandrel": _of_device("mandrel", "disc", "angle", ("force", "N", "force of the probe")),
+    "stage": _of_device(
+        "stage",
+        "strip",
+        "shortening",
+        ("force", "N", "force on the hinges"),
+        ("deflection", "mm", "deflection of the middle, to the outer side of the arc"),
+    ),
+}
+
+RIG = Schema(
+    "rig",
+    1,
+    "Macro model on the testing devices: disc on the mandrel, strip on the stage",
+    coordinates=(_SIDE, *DEVICE_COORDINATES["mandrel"], *DEVICE_COORDINATES["stage"]),
+    variables=(*DEVICE_VARIABLES["mandrel"], *DEVICE_VARIABLES["stage"]),
+)

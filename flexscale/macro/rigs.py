@@ -1,0 +1,72 @@
+"""What the two virtual testing devices, mandrel and stage, share."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexscale.datasets.variables import SIDES
+from flexscale.errors import UnitRangeError, UnknownNameError, suggest
+from flexscale.mechanics.energy import FloatArray
+from flexscale.units import require_finite, require_positive
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class RigOptions:
+    """Options of the mandrel and the stage.
+
+    Attributes
+    ----------
+    element : "c1", or the paper's linear triangles with "edge_angle" or "averaged_normals".
+    size : mm, sides of the triangles.
+    steps : equal load steps from the flat disc to the full indentation of the mandrel; the stage
+        goes from one shortening to the next.
+
+    Raises
+    ------
+    UnitRangeError : a size that is not positive, or steps that are not a whole number from 1 on.
+    """
+
+    element: str = "c1"
+    size: float = 5.0
+    steps: int = 2
+
+    def __post_init__(self) -> None:
+        require_positive(self.size, "element size", "mm")
+        if require_positive(self.steps, "load steps", "1") != int(self.steps):
+            raise UnitRangeError(
+                f"load steps are {self.steps!r}, but steps are counted: give a whole number."
+            )
+
+
+def side_sign(side: str) -> float:
+    """+1 for "closing", -1 for "opening"; UnknownNameError for any other side."""
+    if side not in SIDES:
+        raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDES)}")
+    return 1.0 if side == "closing" else -1.0
+
+
+def finite_series(values: ArrayLike, name: str, unit: str) -> FloatArray:
+    """(n,) floats from one number or a list; UnitRangeError for none, or one that is not finite."""
+    series = np.atleast_1d(np.asarray(values, dtype=float))
+    if series.ndim != 1 or not len(series):
+        raise UnitRangeError(f"{name} must be one or more numbers in {unit}, not {values!r}.")
+    for value in series.tolist():
+        require_finite(value, name, unit)
+    return series
+
+
+def warn_beyond(what: str, curvatures: FloatArray, limit: float) -> None:
+    """One warning where the largest curvature [mm-1] of a test is beyond what the law was fitted
+    to; nan, for what did not converge, does not count."""
+    largest = float(np.nanmax(curvatures, initial=0.0))
+    if largest > limit:
+        log.warning(
+            "%s bends to %.4g mm-1, but the law was fitted up to %.4g mm-1: what lies beyond is "
+            "extrapolated.", what, largest, limit,
+        )  # fmt: skip

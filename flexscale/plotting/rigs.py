@@ -1,0 +1,123 @@
+"""The macro model on the testing devices (paper's Figs. 9 to 11): mandrel and stage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+
+from flexscale.errors import SchemaError
+from flexscale.plotting.polar_axes import polar_axes, set_radius
+from flexscale.plotting.selection import pick_sides, require_variables, subject
+from flexscale.plotting.side_curves import SIDE_MARKERS, draw_side_curves
+from flexscale.plotting.style import (
+    COLUMN_WIDTH,
+    FAILED_COLOR,
+    MACRO_COLOR,
+    SIDE_LINESTYLES,
+    add_note,
+    axis_label,
+    flexscale_style,
+    new_figure,
+)
+
+_FAILED_NOTE = "× at the rim: not converged, left out of the curve"
+_NEEDED = {
+    "mandrel": ["mandrel_force", "mandrel_status", "angle", "side", "mandrel_indentation"],
+    "stage": ["stage_force", "stage_status", "shortening", "side", "stage_direction"],
+}
+
+
+def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
+    """Forces on the testing devices: around the mandrel, and against the stage's shortening.
+
+    Parameters
+    ----------
+    tests : dataset of kind rig; one panel for each of its devices.
+    sides : "closing", "opening" or both; None takes all the dataset has.
+
+    Raises
+    ------
+    SchemaError : not a rig.
+    UnknownNameError : a side that was not tested.
+    """
+    devices = [device for device in _NEEDED if f"{device}_force" in tests]
+    if not devices:
+        raise SchemaError(
+            "A figure of testing devices needs mandrel_force or stage_force, which this dataset "
+            "does not have; give it a dataset of kind rig."
+        )
+    for device in devices:
+        require_variables(tests, _NEEDED[device], f"A figure of the {device}")
+    shown = pick_sides(tests, sides)
+    with flexscale_style():
+        figure = new_figure(COLUMN_WIDTH * (0.25 + 0.95 * len(devices)), COLUMN_WIDTH * 0.85)
+        notes: list[str] = []
+        for column, device in enumerate(devices):
+            place = (1, len(devices), column + 1)
+            head = f"{subject(tests)}, {device}".lstrip(", ")
+            if device == "mandrel":
+                disc = polar_axes(figure, place)
+                notes += draw_mandrel(disc, tests, shown)
+                depth = float(tests["mandrel_indentation"])
+                label = axis_label(tests["mandrel_force"])
+                disc.set_title(f"{head}, {depth:g} mm\n{label}")
+            else:
+                axes = figure.add_subplot(*place)
+                force, status = tests["stage_force"], tests["stage_status"]
+                notes += draw_side_curves(axes, force, status, "shortening", shown)
+                axes.set_title(f"{head}\nalong {float(tests['stage_direction']):g}°")
+        handles, labels = figure.axes[0].get_legend_handles_labels()
+        kept = [k for k, label in enumerate(labels) if not label.startswith("_")]
+        figure.legend(
+            [handles[k] for k in kept],
+            [labels[k] for k in kept],
+            loc="outside right center",
+        )
+        add_note(figure, list(dict.fromkeys(notes)))
+    return figure
+
+
+def draw_mandrel(axes: PolarAxes, tests: xr.Dataset, sides: Sequence[str]) -> list[str]:
+    """Draw the force against the angle, all around; returns notes for `add_note`."""
+    angles = np.deg2rad(tests["angle"].values.astype(float))
+    force = tests["mandrel_force"].sel(side=list(sides))
+    failed = tests["mandrel_status"].sel(side=list(sides)).values != 0
+    values = np.where(failed, np.nan, force.values.astype(float))
+    largest = float(np.nanmax(values, initial=0.0))
+    radius = 1.06 * largest if largest > 0.0 else 1.0
+    set_radius(axes, radius)
+    ring = _closed(angles)
+    for side, line, missing in zip(sides, values, failed, strict=True):
+        axes.plot(
+            np.append(angles, angles[:1]) if ring else angles,
+            np.append(line, line[:1]) if ring else line,
+            color=MACRO_COLOR,
+            linestyle=SIDE_LINESTYLES[side],
+            marker=SIDE_MARKERS[side],
+            markerfacecolor="white" if side == "opening" else MACRO_COLOR,
+            markersize=2.5,
+            label=side,
+        )
+        axes.plot(
+            angles[missing],
+            np.full(int(missing.sum()), 0.985 * radius),
+            linestyle="none",
+            marker="x",
+            markersize=4.0,
+            color=FAILED_COLOR,
+            clip_on=False,
+            label="_unconverged",
+        )
+    return [_FAILED_NOTE] if failed.any() else []
+
+
+def _closed(angles: np.ndarray) -> bool:
+    """Whether the angles go all around, so that the last is joined to the first."""
+    if len(angles) < 3:
+        return False
+    rest = 2.0 * np.pi - angles[-1] + angles[0]
+    return bool(rest < 1.5 * np.median(np.diff(angles)))

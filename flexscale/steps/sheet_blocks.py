@@ -1,0 +1,154 @@
+"""Blocks of an experiment file on whole sheets of the fit: between end strips, and on devices.
+
+They check themselves with what the simulations check with, so that bad input is refused before
+anything is computed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Self
+
+from pydantic import field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from flexscale.errors import BadInputError
+from flexscale.macro.mandrel import ANGLES
+from flexscale.macro.rigs import RigOptions
+from flexscale.macro.rim import Rim
+from flexscale.macro.stage import SHORTENINGS, require_shortenings
+from flexscale.steps.blocks import (
+    Block,
+    Curvatures,
+    Direction,
+    Directions,
+    Length,
+    Lengths,
+    Side,
+    increasing,
+    once_each,
+)
+from flexscale.steps.quantities import declared
+
+BOTH: tuple[Side, ...] = ("closing", "opening")
+
+
+@contextmanager
+def _named(place: str) -> Iterator[None]:
+    """Names the place in the file where a check of the simulation refuses a value."""
+    try:
+        yield
+    except BadInputError as error:
+        raise type(error)(f"{place}: {error}") from error
+
+
+class SheetBlock(Block):
+    """A rectangular sheet bent between end strips."""
+
+    length: Length = declared(100.0, "length, along which it is bent", gt=0.0)
+    width: Length = declared(50.0, "width", gt=0.0)
+    curvatures: Curvatures = declared(
+        (0.0, 0.005, 0.01, 0.015, 0.02, 0.025), "curvatures, increasing", min_length=1
+    )
+    direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
+    sides: tuple[Side, ...] = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
+    size: Length = declared(5.0, "sides of the triangles", gt=0.0)
+
+    @field_validator("sides")
+    @classmethod
+    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
+        return once_each(values)
+
+    @field_validator("curvatures")
+    @classmethod
+    def _curvatures_increase(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        if values[0] < 0.0:
+            raise PydanticCustomError(
+                "range", "curvatures are not negative: `sides` says to which side to bend", {}
+            )
+        return increasing(values)
+
+    @model_validator(mode="after")
+    def _does_not_meet_itself(self) -> Self:
+        limit = 2.0 * math.pi / self.length
+        if self.curvatures[-1] >= limit:
+            raise PydanticCustomError(
+                "range",
+                "at {kappa} mm-1 a sheet of {length} mm runs into its own end: stay below {limit}",
+                {
+                    "kappa": f"{self.curvatures[-1]:g}",
+                    "length": f"{self.length:g}",
+                    "limit": f"{limit:.4g} mm-1",
+                },
+            )
+        return self
+
+
+class MandrelBlock(Block):
+    """A disc clamped at its hub and pushed around its rim."""
+
+    radius: Length = declared(Rim.radius, "radius of the disc", gt=0.0)
+    hub: Length = declared(Rim.hub, "radius of the hub that holds it", gt=0.0)
+    indentation: Length = declared(15.0, "push on its rim, normal to the disc", gt=0.0)
+    angles: Directions = declared(
+        ANGLES, "where it is pushed, increasing, from 0 to below 360", min_length=1
+    )
+
+    @field_validator("angles")
+    @classmethod
+    def _angles_in_range(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        if values[0] < 0.0 or values[-1] >= 360.0:
+            raise PydanticCustomError("range", "angles lie in [0, 360) degree", {})
+        return increasing(values)
+
+
+class StageBlock(Block):
+    """A strip between two hinges that come closer."""
+
+    length: Length = declared(100.0, "length between the hinges", gt=0.0)
+    width: Length = declared(50.0, "width", gt=0.0)
+    direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
+    shortenings: Lengths = declared(
+        SHORTENINGS, "by which the hinges come closer, increasing from above 0", min_length=1
+    )
+
+    @model_validator(mode="after")
+    def _shortenings_in_range(self) -> Self:
+        with _named("rigs.stage"):
+            require_shortenings(self.shortenings, self.length)
+        return self
+
+
+class RigsBlock(Block):
+    """The testing devices, one or both."""
+
+    sides: tuple[Side, ...] = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
+    size: Length = declared(RigOptions.size, "sides of the triangles", gt=0.0)
+    mandrel: MandrelBlock | None = declared(None, "disc on the mandrel; {} for defaults")
+    stage: StageBlock | None = declared(None, "strip on the stage; {} for defaults")
+
+    @field_validator("sides")
+    @classmethod
+    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
+        return once_each(values)
+
+    @model_validator(mode="after")
+    def _some_device_that_can_work(self) -> Self:
+        if self.mandrel is None and self.stage is None:
+            raise PydanticCustomError("empty", "`rigs` needs `mandrel`, `stage`, or both", {})
+        if self.mandrel is not None:
+            with _named("rigs.mandrel"):
+                rim = Rim(self.mandrel.radius, self.mandrel.hub, self.size)
+                rim.require_indentation(self.mandrel.indentation)
+                for angle in self.mandrel.angles:
+                    rim.place(angle)
+        return self
+
+    @property
+    def n_samples(self) -> int:
+        """Number of forces to find."""
+        angles = len(self.mandrel.angles) if self.mandrel else 0
+        shortenings = len(self.stage.shortenings) if self.stage else 0
+        return len(self.sides) * (angles + shortenings)

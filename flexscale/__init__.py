@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
+    from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
     from flexscale.macro.bent_sheet import SheetOptions
@@ -59,6 +60,7 @@ __all__ = [
     "open_registry",
     "plot",
     "simulate_mandrel",
+    "simulate_native_sheet",
     "simulate_sheet",
     "simulate_stage",
     "sweep",
@@ -90,6 +92,7 @@ _HOMES = {
     "named_patterns": "flexscale.patterns.named",
     "open_registry": "flexscale.datasets.registry",
     "simulate_mandrel": "flexscale.macro.mandrel",
+    "simulate_native_sheet": "flexscale.homogenize.native_sheet_dataset",
     "simulate_sheet": "flexscale.macro.simulate",
     "simulate_stage": "flexscale.macro.stage",
     "sweep": "flexscale.homogenize.sweep",

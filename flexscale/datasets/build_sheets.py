@@ -24,15 +24,16 @@ def build_sheet_dataset(
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
     recipe: Recipe | None = None,
+    kind: str = "sheet",
 ) -> xr.Dataset:
-    """Dataset of kind sheet.
+    """Dataset of kind sheet, or native_sheet.
 
     Parameters
     ----------
     sides : of "closing", "opening".
     curvatures : (n,) mm-1, non-negative, increasing.
-    arrays : (n_sides, n) variables by the names of the schema; real values become nan wherever
-        `status` is not 0.
+    arrays : (n_sides, n) variables by the names of the schema, and numbers; real values become nan
+        wherever `status` is not 0.
     length, width : mm.
     direction : degree, of the length in the pattern's coordinates.
     scalars, config, recipe : as in `build_sweep_dataset`.
@@ -49,7 +50,7 @@ def build_sheet_dataset(
         "width": width,
         "direction": direction,
     }
-    return build_dataset("sheet", values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(kind, values, scalars=scalars, config=config, recipe=recipe)
 
 
 def build_rig_dataset(

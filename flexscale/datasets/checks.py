@@ -211,5 +211,6 @@ _CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
     "shape": _check_mesh(_SHAPE_INDICES),
     "fit": _check_fit,
     "sheet": check_sheet_samples,
+    "native_sheet": check_sheet_samples,
     "rig": check_rig,
 }

@@ -18,30 +18,50 @@ def _number(name: str, dims: tuple[str, ...], units: str, long_name: str) -> Var
     return Variable(name, dims, "float64", units, long_name)
 
 
+def _count(name: str, long_name: str) -> Variable:
+    return Variable(name, _BENT, "int32", "1", long_name)
+
+
+_STRIPS = (
+    _SIDE,
+    _number("curvature", ("curvature",), "mm-1", "curvature of the end strips"),
+    Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+    _number("signed_curvature", _BENT, "mm-1", "curvature, closing > 0"),
+    _number("length", (), "mm", "length of the sheet, along which it is bent"),
+    _number("width", (), "mm", "width of the sheet"),
+    _number("direction", (), "degree", "direction of the length in the pattern's coordinates"),
+)
+_RESPONSE = (
+    _number("energy", _BENT, "N mm", "elastic energy of the sheet"),
+    _number("energy_density", _BENT, "N mm-1", "energy per rest area"),
+    _number("moment", _BENT, "N", "mean bending moment per width, to its side"),
+    _number("slide", _BENT, "mm", "slide of the free strip along the arc, away from the other"),
+    *(_count(name, long_name) for name, long_name in _COUNTS),
+    Variable("status", _BENT, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),
+)
+
 SHEET = Schema(
     "sheet",
     1,
     "Rectangular sheet of a macro model, bent between two end strips",
-    coordinates=(
-        _SIDE,
-        _number("curvature", ("curvature",), "mm-1", "curvature of the end strips"),
-        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
-        _number("signed_curvature", _BENT, "mm-1", "curvature, closing > 0"),
-        _number("length", (), "mm", "length of the sheet, along which it is bent"),
-        _number("width", (), "mm", "width of the sheet"),
-        _number("direction", (), "degree", "direction of the length in the pattern's coordinates"),
-    ),
+    coordinates=_STRIPS,
     variables=(
-        _number("energy", _BENT, "N mm", "elastic energy of the sheet"),
-        _number("energy_density", _BENT, "N mm-1", "energy per rest area"),
-        _number("moment", _BENT, "N", "mean bending moment per width, to its side"),
-        _number("slide", _BENT, "mm", "slide of the free strip along the arc, away from the other"),
+        *_RESPONSE,
         _number("largest_curvature", _BENT, "mm-1", "largest principal curvature in the sheet"),
-        Variable("newton_iterations", _BENT, "int32", "1", "Newton iterations"),
-        Variable(
-            "negative_eigenvalues", _BENT, "int32", "1", "negative eigenvalues of the Hessian"
-        ),
-        Variable("status", _BENT, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),
+    ),
+)
+
+NATIVE_SHEET = Schema(
+    "native_sheet",
+    1,
+    "Rectangular sheet of whole and cut scales, bent between two end strips",
+    coordinates=_STRIPS,
+    variables=(
+        *_RESPONSE,
+        _number("min_gap", _BENT, "mm", "smallest distance between scales"),
+        _count("contact_pairs", "active contact pairs"),
+        Variable("n_scales", (), "int32", "1", "scales, cut ones included"),
+        Variable("n_unknowns", (), "int32", "1", "unknowns of the model"),
     ),
 )
 

@@ -153,18 +153,41 @@ def bend_native_sheet(
 
     Raises
     ------
-    BadInputError : the sheet would run into its own end, or an unknown side.
+    BadInputError : as of `check_bends`.
     """
-    if side not in SIDE_SIGNS:
-        raise BadInputError(f"There is no side {side!r}: bend to 'closing' or 'opening'.")
-    length, largest = sheet.tiles.length, max(curvatures)
-    if largest * length >= 2.0 * np.pi:
-        raise BadInputError(
-            f"At a curvature of {largest:.12g} mm-1 a sheet of {length:.12g} mm runs into its own "
-            f"end: stay below {2.0 * np.pi / length:.4g} mm-1."
-        )
+    length = sheet.tiles.length
+    check_bends(length, curvatures, (side,))
     line = Line(side, 0.0, tuple(float(k) for k in curvatures))
     for sample in follow_line(sheet, line, solver or SolverOptions()):
         if "stretch" in sample:
             sample["slide"] = float(sample["stretch"][0] - 1.0) * length
         yield sample
+
+
+def check_bends(length: float, curvatures: Sequence[float], sides: Sequence[str]) -> None:
+    """Refuse bends of a sheet of a length [mm] that cannot be made, before anything is meshed.
+
+    Raises
+    ------
+    BadInputError : an unknown side, curvatures [mm-1] that do not increase from 0 on, or the sheet
+        would run into its own end.
+    """
+    for side in sides:
+        if side not in SIDE_SIGNS:
+            raise BadInputError(f"There is no side {side!r}: bend to 'closing' or 'opening'.")
+    kappa = np.asarray(curvatures, dtype=float)
+    if (
+        not len(kappa)
+        or not np.isfinite(kappa).all()
+        or kappa[0] < 0
+        or (np.diff(kappa) <= 0).any()
+    ):
+        raise BadInputError(
+            f"Curvatures must be finite, not negative and increasing, in mm-1, not "
+            f"{list(curvatures)}; the side says to which side the sheet is bent."
+        )
+    if kappa[-1] * length >= 2.0 * np.pi:
+        raise BadInputError(
+            f"At a curvature of {kappa[-1]:.12g} mm-1 a sheet of {length:.12g} mm runs into its "
+            f"own end: stay below {2.0 * np.pi / length:.4g} mm-1."
+        )

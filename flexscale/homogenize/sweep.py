@@ -165,6 +165,17 @@ def sweep(
     return dataset
 
 
+def run_lines(
+    problem: CellProblem,
+    lines: Sequence[Line],
+    solver: SolverOptions,
+    checkpoint: Checkpoint | None = None,
+    on_sample: Callable[[SampleEvent], None] | None = None,
+) -> dict[tuple[str, float], list[dict[str, Any]]]:
+    """Samples of lines by side and direction, one line after the other in this process."""
+    return _collect(_in_turn(problem, lines, solver, checkpoint), lines, on_sample)
+
+
 def check_sweep(
     pattern: Pattern,
     directions: Sequence[float],

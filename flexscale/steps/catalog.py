@@ -130,6 +130,18 @@ class SheetParameters(Parameters):
     size: float
 
 
+class NativeSheetParameters(NativeParameters):
+    """Also sides, curvatures (mm-1), direction (degree) and sizes (mm), contact, solver options."""
+
+    length: float
+    width: float
+    curvatures: tuple[float, ...]
+    direction: float
+    sides: tuple[str, ...]
+    contact: dict[str, Any]
+    solver: dict[str, Any]
+
+
 class MandrelParameters(BaseModel):
     """A disc on the mandrel: mm, and angles in degree."""
 
@@ -204,6 +216,7 @@ STEPS: dict[str, Step] = {
         Step("shape", 3, ShapeParameters, inputs=("cell",)),
         Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
         Step("sheet", 1, SheetParameters, inputs=("fit",)),
+        Step("native_sheet", 1, NativeSheetParameters),
         Step("rig", 1, RigParameters, inputs=("fit",)),
     )
 }

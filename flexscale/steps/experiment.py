@@ -34,7 +34,7 @@ from flexscale.steps.blocks import (
 )
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
 from flexscale.steps.quantities import declared
-from flexscale.steps.sheet_blocks import RigsBlock, SheetBlock
+from flexscale.steps.sheet_blocks import NativeSheetBlock, RigsBlock, SheetBlock
 
 FigureName = Literal[
     "polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar", "sheet", "rig"
@@ -138,6 +138,9 @@ class Experiment(Block):
     fit: FitBlock | None = declared(None, "two-regime law of the sweep; {} for defaults")
     shapes: tuple[ShapeBlock, ...] = declared((), "deformed cells")
     sheet: SheetBlock | None = declared(None, "the fit between end strips; {} for defaults")
+    native_sheet: NativeSheetBlock | None = declared(
+        None, "the scales themselves between end strips; {} for defaults, which take hours"
+    )
     rigs: RigsBlock | None = declared(None, "the fit on the testing devices")
     figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
 

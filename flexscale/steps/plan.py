@@ -142,6 +142,12 @@ def _wanted_steps(
     if experiment.sheet is not None:
         sheet = experiment.sheet
         wanted["sheet"] = (sheet.model_dump(), len(sheet.sides) * len(sheet.curvatures))
+    if experiment.native_sheet is not None:
+        bent = experiment.native_sheet
+        wanted["native_sheet"] = (
+            bent.model_dump() | options,
+            len(bent.sides) * len(bent.curvatures),
+        )
     if experiment.rigs is not None:
         wanted["rig"] = (experiment.rigs.model_dump(), experiment.rigs.n_samples)
     if experiment.shapes:

@@ -44,8 +44,8 @@ def _named(place: str) -> Iterator[None]:
         raise type(error)(f"{place}: {error}") from error
 
 
-class SheetBlock(Block):
-    """A rectangular sheet bent between end strips."""
+class NativeSheetBlock(Block):
+    """A rectangular sheet of scales bent between end strips."""
 
     length: Length = declared(100.0, "length, along which it is bent", gt=0.0)
     width: Length = declared(50.0, "width", gt=0.0)
@@ -54,7 +54,6 @@ class SheetBlock(Block):
     )
     direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
     sides: tuple[Side, ...] = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
-    size: Length = declared(5.0, "sides of the triangles", gt=0.0)
 
     @field_validator("sides")
     @classmethod
@@ -84,6 +83,12 @@ class SheetBlock(Block):
                 },
             )
         return self
+
+
+class SheetBlock(NativeSheetBlock):
+    """A rectangular sheet of the fit bent between end strips."""
+
+    size: Length = declared(5.0, "sides of the triangles", gt=0.0)
 
 
 class MandrelBlock(Block):

@@ -84,10 +84,26 @@ def test_bad_sheets_are_refused(arguments: tuple, error: type, word: str) -> Non
         clip_pattern(fs.named_pattern("square"), *arguments)
 
 
+def test_dataset_keeps_every_number(squares: NativeSheet) -> None:
+    dataset = fs.simulate_native_sheet(
+        fs.named_pattern("square"), length=20.0, width=10.0, curvatures=[0.0, 0.002],
+        sides=["closing"], mesh=COARSE,
+    )  # fmt: skip
+    *_, sample = bend_native_sheet(squares, (0.0, 0.002))
+    found = dataset.sel(side="closing", curvature=0.002)
+    assert float(found["moment"]) == pytest.approx(sample["moment"], rel=1e-9)
+    assert float(found["energy"]) == pytest.approx(200.0 * sample["energy_density"], rel=1e-9)
+    assert float(found["slide"]) == pytest.approx(sample["slide"], rel=1e-6)
+    assert dataset["energy"].attrs["units"] == "N mm"
+    assert int(dataset["n_unknowns"]) == len(squares.active)
+
+
 def test_bad_bends_are_refused(squares: NativeSheet) -> None:
     with pytest.raises(BadInputError, match="its own end"):
         next(bend_native_sheet(squares, (0.0, 0.4)))
     with pytest.raises(BadInputError, match="no side"):
         next(bend_native_sheet(squares, (0.0,), "sideways"))
+    with pytest.raises(BadInputError, match="increasing"):
+        next(bend_native_sheet(squares, (0.002, 0.001)))
     with pytest.raises(ConfigError, match="modes"):
         NativeSheet(fs.named_pattern("square"), 20.0, 10.0, scales=fs.ScaleOptions(model="tets"))

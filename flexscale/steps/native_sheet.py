@@ -1,0 +1,35 @@
+"""Step `native_sheet`: a sheet of whole and cut scales, bent between end strips."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from flexscale.homogenize import SolverOptions
+from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.steps.base import Resources
+from flexscale.steps.catalog import NativeSheetParameters
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def compute(
+    parameters: NativeSheetParameters, inputs: Mapping[str, xr.Dataset], resources: Resources
+) -> xr.Dataset:
+    """Dataset of kind native_sheet; values are nan where the sheet did not converge."""
+    return simulate_native_sheet(
+        parameters.build_pattern(),
+        length=parameters.length,
+        width=parameters.width,
+        curvatures=parameters.curvatures,
+        direction=parameters.direction,
+        sides=parameters.sides,
+        mesh=parameters.build_mesh_options(),
+        contact=ContactOptions(**parameters.contact),
+        scales=parameters.build_scale_options(),
+        solver=SolverOptions(**parameters.solver),
+        checkpoint=resources.checkpoint,
+        on_sample=resources.on_sample,
+    )

@@ -17,6 +17,7 @@ from flexscale.plotting.style import (
     COLUMN_WIDTH,
     FAILED_COLOR,
     MACRO_COLOR,
+    PAGE_WIDTH,
     SIDE_LINESTYLES,
     add_note,
     axis_label,
@@ -77,6 +78,28 @@ def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
             [labels[k] for k in kept],
             loc="outside right center",
         )
+        add_note(figure, list(dict.fromkeys(notes)))
+    return figure
+
+
+def mandrels(tests: Sequence[xr.Dataset], side: str, columns: int = 3) -> Figure:
+    """Forces around the mandrel to one side, one panel a rig dataset.
+
+    Raises
+    ------
+    SchemaError : a dataset without the mandrel.
+    """
+    for dataset in tests:
+        require_variables(dataset, _NEEDED["mandrel"], "A figure of the mandrel")
+    rows = -(-len(tests) // columns)
+    with flexscale_style():
+        figure = new_figure(PAGE_WIDTH, PAGE_WIDTH * 0.42 * rows)
+        notes: list[str] = []
+        for k, dataset in enumerate(tests):
+            axes = polar_axes(figure, (rows, columns, k + 1))
+            notes += draw_mandrel(axes, dataset, pick_sides(dataset, side))
+            label = axis_label(dataset["mandrel_force"])
+            axes.set_title(f"{subject(dataset)}, {side}\n{label}")
         add_note(figure, list(dict.fromkeys(notes)))
     return figure
 

@@ -264,7 +264,8 @@ def _labelled(
             f"but its dimensions are ({', '.join(declared.dims)})."
         )
     samples = schema.all["status"].dims if failed is not None else ()
-    per_sample = failed is not None and declared.dims[: len(samples)] == samples
+    measured = declared in schema.variables  # where a sample lies is known though it failed
+    per_sample = failed is not None and measured and declared.dims[: len(samples)] == samples
     if failed is not None and per_sample and declared.dtype == "float64":
         if data.shape[: failed.ndim] != failed.shape:
             raise SchemaError(

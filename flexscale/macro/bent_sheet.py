@@ -33,6 +33,8 @@ log = logging.getLogger(__name__)
 #: Newton decrement over the energy; the step it belongs to is still taken, so that energies are
 #: good to 1e-12 of themselves, and states to 1e-6.
 TOLERANCE = 1e-8
+#: Sheets that lock between soft parts take more than the 20 to 40 of most.
+MOST_ITERATIONS = 300
 _KAPPA_STEP = 1e-4  # relative, of the central difference of the strips' places
 
 
@@ -131,7 +133,7 @@ class BendingRig:
         self.length = require_positive(length, "sheet length", "mm")
         self.direction = require_finite(direction, "direction", "degree")
         self.curvature_range = curvature_range
-        self.solver = solver or SolverOptions(tolerance=TOLERANCE)
+        self.solver = solver or SolverOptions(tolerance=TOLERANCE, max_iterations=MOST_ITERATIONS)
         strip = require_range(self.options.strip, "strip", "mm", 0.0, np.inf)
         mesh = rectangle(length, width, self.options.size)
         along, close = mesh.points[:, 0], 1e-9 * length

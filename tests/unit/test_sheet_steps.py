@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import flexscale as fs
+from flexscale.datasets.build_sheets import build_sheet_dataset
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.store import Store
 from flexscale.errors import BadInputError, SchemaError, UnknownNameError
@@ -226,3 +227,20 @@ def test_figures_refuse_other_datasets(made) -> None:
         fs.plot.rig(made["sheet"])
     with pytest.raises(UnknownNameError, match="no side 'open'"):
         fs.plot.rig(made["rig"], sides="open")
+
+
+def test_a_sheet_that_failed_still_says_where() -> None:
+    arrays = {name: np.ones((2, 2)) for name in ("energy", "energy_density", "moment", "slide")}
+    arrays |= {"largest_curvature": np.ones((2, 2))}
+    arrays |= {
+        name: np.array([[0, 0], [0, 1]], dtype=np.int32)
+        for name in ("newton_iterations", "negative_eigenvalues", "status")
+    }
+    labels = {"family": "IH76", "pattern": "square"}
+    dataset = build_sheet_dataset(
+        ("closing", "opening"), [0.0, 0.01], arrays,
+        length=100.0, width=50.0, direction=0.0, scalars=labels, config={},
+    )  # fmt: skip
+    check_dataset(dataset, "sheet")
+    assert dataset["signed_curvature"].values.tolist() == [[0.0, 0.01], [0.0, -0.01]]
+    assert np.isnan(dataset["energy"].values).tolist() == [[False, False], [False, True]]

@@ -1,0 +1,138 @@
+"""Sheets of 100 x 50 mm by the macro model, against native cells and a native sheet (Figs. 13, 14).
+
+    python benchmarks/large_sheet.py --results DIR [--output FILE]
+
+Sweeps, tangents and native sheets are those of DIR. First, energy densities of macro sheets with
+the pattern turned, over those of the periodic cell in that direction, at 0.02 /mm, closing: what
+free sides and the fit do. Then the native sheets there are, sample by sample: the macro model's
+energy over theirs, with both energies of a curvature tensor, and with a quarter and four times the
+resistance to double curvature. Native sheets are meshed half as finely as the cells that the
+model is fitted to, which makes them stiffer: the row "cell of this mesh" is what that does to the
+cell. Times are of one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from report import report
+
+import flexscale as fs
+
+LENGTH, WIDTH, CURVATURE = 100.0, 50.0, 0.02
+SIDE = "closing"
+
+
+def turned_sheets(registry, pattern: str) -> list[str]:
+    """Macro sheet over native cell, by direction."""
+    sweep = registry.one(kind="sweep", pattern=pattern)
+    tangent = registry.one(kind="tangent", pattern=pattern)
+    cell = sweep["energy_density"].sel(side=SIDE, curvature=CURVATURE)
+    models = {v: fs.fit(sweep, tangent, variant=v) for v in ("tangent", "paper")}
+    rows, worst = [], dict.fromkeys(models, 0.0)
+    for direction in sweep["direction"].values:
+        native = float(cell.sel(direction=direction))
+        cells = [f"{direction:g}°", f"{native:.5f}"]
+        for variant, model in models.items():
+            law = float(model.energy(CURVATURE, direction, SIDE))
+            sheet = fs.simulate_sheet(
+                model, length=LENGTH, width=WIDTH, curvature=CURVATURE, direction=float(direction)
+            )
+            ratio = sheet.energy_density / native
+            worst[variant] = max(worst[variant], abs(ratio - 1.0))
+            cells += [f"{law / native:.3f}", f"{ratio:.3f}"]
+        rows.append(f"| {' | '.join(cells)} |")
+    head = "| direction | cell [N/mm] | law | sheet | law, paper | sheet, paper |"
+    said = ", ".join(f"{v} {100 * w:.1f} %" for v, w in worst.items())
+    return [
+        f"## {pattern}: pattern turned on the sheet, {CURVATURE:g} /mm", "",
+        "Energy density over the native cell's.", "", head, "|" + "---|" * 6, *rows, "",
+        f"Largest error of a sheet: {said}.", "",
+    ]  # fmt: skip
+
+
+def _mesh_of(native: xr.Dataset) -> fs.MeshOptions:
+    """Mesh options that a native sheet was made with."""
+    return fs.MeshOptions(**json.loads(native.attrs["flexscale_config"])["mesh"])
+
+
+def macro_energies(model: fs.MacroModel, native: xr.Dataset) -> tuple[list[float], float]:
+    """Energy densities of the macro sheet at the native samples, and seconds for all of them."""
+    start = time.perf_counter()
+    sizes = {name: float(native[name]) for name in ("length", "width", "direction")}
+    found = [
+        fs.simulate_sheet(model, curvature=float(k), **sizes).energy_density
+        for k in native["curvature"].values[1:]
+    ]
+    return found, time.perf_counter() - start
+
+
+def against_native(registry, native: xr.Dataset) -> list[str]:
+    """Macro over native energy of the same sheet."""
+    pattern = str(native["pattern"].values)
+    sweep = registry.one(kind="sweep", pattern=pattern)
+    tangent = registry.one(kind="tangent", pattern=pattern)
+    energies = native["energy_density"].sel(side=SIDE).values[1:]
+    usual = fs.fit(sweep, tangent)
+    models = {
+        "tangent (default)": usual,
+        "paper": fs.fit(sweep, tangent, variant="paper"),
+        "w_biaxial / 4": dataclasses.replace(usual, w_biaxial=0.25 * usual.w_biaxial),
+        "w_biaxial x 4": dataclasses.replace(usual, w_biaxial=4.0 * usual.w_biaxial),
+    }
+    kappa = native["curvature"].values[1:]
+    sizes = " x ".join(f"{float(native[name]):g}" for name in ("length", "width"))
+    rows = [
+        f"## {pattern}: native sheet of {sizes} mm", "",
+        f"{int(native['n_scales'])} scales, {int(native['n_unknowns']):,} unknowns. Energy density "
+        "over the native sheet's.", "",
+        f"| model | {' | '.join(f'{k:g} /mm' for k in kappa)} | s |",
+        "|" + "---|" * (len(kappa) + 2),
+        f"| native [N/mm] | {' | '.join(f'{e:.5f}' for e in energies)} | |",
+    ]  # fmt: skip
+    for name, model in models.items():
+        found, seconds = macro_energies(model, native)
+        cells = [f"{v:.3f}" for v in np.array(found) / energies]
+        rows.append(f"| {name} | {' | '.join(cells)} | {seconds:.1f} |")
+    law = [float(usual.energy(k, float(native["direction"]), SIDE)) for k in kappa]
+    rows.append(f"| law alone | {' | '.join(f'{v:.3f}' for v in np.array(law) / energies)} | |")
+    cells = [
+        fs.sweep(
+            fs.named_pattern(pattern), [float(native["direction"])], [0.0, *map(float, kappa)],
+            sides=[SIDE], mesh=mesh, workers=1,
+        )["energy_density"].values.ravel()[1:]
+        for mesh in (_mesh_of(native), None)
+    ]  # fmt: skip
+    rows.append(
+        f"| cell of this mesh, over the default's | "
+        f"{' | '.join(f'{v:.3f}' for v in cells[0] / cells[1])} | |"
+    )
+    slides = native["slide"].sel(side=SIDE).values[1:]
+    rows.append(f"| slide, native [mm] | {' | '.join(f'{v:.2f}' for v in slides)} | |")
+    return [*rows, ""]
+
+
+def main() -> None:
+    """All native sheets, and turned sheets of the patterns asked for."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
+    parser.add_argument("--patterns", nargs="*", default=["chevron", "arrowhead"])
+    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
+    arguments = parser.parse_args()
+    registry = fs.open_registry(arguments.results)
+    rows = ["# Large sheets", "", (__doc__ or "").split("\n\n")[2], ""]
+    for entry in registry.find(kind="native_sheet"):
+        rows += against_native(registry, registry.load(entry))
+    for pattern in arguments.patterns:
+        rows += turned_sheets(registry, pattern)
+    report(rows, arguments.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -47,7 +47,7 @@ def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
         force = inputs[pattern]["mandrel_force"].sel(side=SIDE)
         half = force.where(force["angle"] < 180.0, drop=True)
         ratio = float(half.max() / half.min())
-        at = float(half["angle"][int(half.argmax())])
+        at = float(half["angle"][int(half.values.argmax())])
         lines.append(
             f"{pattern}: {float(half.min()):.3g} to {float(half.max()):.3g} N, ratio {ratio:.3g}, "
             f"largest at {at:g}°."

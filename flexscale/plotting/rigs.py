@@ -93,7 +93,7 @@ def mandrels(tests: Sequence[xr.Dataset], side: str, columns: int = 3) -> Figure
         require_variables(dataset, _NEEDED["mandrel"], "A figure of the mandrel")
     rows = -(-len(tests) // columns)
     with flexscale_style():
-        figure = new_figure(PAGE_WIDTH, PAGE_WIDTH * 0.42 * rows)
+        figure = new_figure(PAGE_WIDTH, 0.41 * PAGE_WIDTH * rows)
         notes: list[str] = []
         for k, dataset in enumerate(tests):
             axes = polar_axes(figure, (rows, columns, k + 1))
@@ -125,16 +125,17 @@ def draw_mandrel(axes: PolarAxes, tests: xr.Dataset, sides: Sequence[str]) -> li
             markersize=2.5,
             label=side,
         )
-        axes.plot(
-            angles[missing],
-            np.full(int(missing.sum()), 0.985 * radius),
-            linestyle="none",
-            marker="x",
-            markersize=4.0,
-            color=FAILED_COLOR,
-            clip_on=False,
-            label="_unconverged",
-        )
+        if missing.any():  # an empty line that is not clipped has no extent to lay out
+            axes.plot(
+                angles[missing],
+                np.full(int(missing.sum()), 0.985 * radius),
+                linestyle="none",
+                marker="x",
+                markersize=4.0,
+                color=FAILED_COLOR,
+                clip_on=False,
+                label="_unconverged",
+            )
     return [_FAILED_NOTE] if failed.any() else []
 
 

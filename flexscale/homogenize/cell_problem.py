@@ -31,7 +31,7 @@ from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import NeoHookean, Pattern
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import Factorization, build_factorization
-from flexscale.solve.ordering import grouped_order
+from flexscale.solve.ordering import elimination_order
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
 
@@ -275,7 +275,7 @@ class CellProblem:
     def build_factorization(self) -> Factorization:
         """Backend on the present pattern of nonzeros."""
         pattern = (self.pull_back.indptr, self.pull_back.indices)
-        order = grouped_order(*pattern, self.pull_back.groups) if self.bodies else None
+        order = elimination_order(*pattern, self.pull_back.groups) if self.bodies else None
         return build_factorization(*pattern, self.model.linear_solver, order)
 
     def bent(self, bend: Bend) -> BentCell:

@@ -77,11 +77,19 @@ def build_bodies(
 
 @dataclass(frozen=True)
 class _Modes:
-    """Modes of a scale: vertices' places (n, 3) from the anchor, loads, modes (n, 3, k)."""
+    """Modes of a scale: vertices' places (n, 3) from the anchor, loads, modes (n, 3, k), and the
+    stiffness (6 + k, 6 + k) of strains and modes."""
 
     places: FloatArray
     n_loads: int
     modes: FloatArray
+    stiffness: FloatArray
+
+    def is_moved_to(self, places: FloatArray, n_loads: int) -> bool:
+        """Whether a scale is the same one elsewhere, not turned, with the same numbering."""
+        if places.shape != self.places.shape or n_loads != self.n_loads:
+            return False
+        return bool(np.abs(self.places - places).max() <= _CONGRUENT * np.abs(places).max())
 
     def turned_to(self, places: FloatArray, n_loads: int) -> FloatArray | None:
         """(3 n, k) modes of a congruent scale with the same numbering; None if it is none."""
@@ -104,10 +112,10 @@ def _build_body(
     cutoff: float,
     known: list[_Modes],
 ) -> Body:
-    """One scale; congruent scales share their modes, and a new kind is added to `known`."""
+    """One scale; a new one, up to where it lies, is added to `known`. Congruent scales share their
+    modes."""
     mesh = embedding.mesh
     vertices = np.unique(mesh.tets[mesh.tet_scale == scale])
-    stiffness = _stiffness(mesh, scale, vertices, material)
     components = (3 * vertices[:, None] + np.arange(3)).ravel()
     own = sp.csc_array(sp.csr_array(loads[components]))
     own = own[:, np.flatnonzero(np.diff(own.indptr))]
@@ -117,14 +125,18 @@ def _build_body(
     places = mesh.scale_positions[vertices].copy()
     places[:, :2] -= anchor
     n_loads = own.shape[1]
-    copies = (kind.turned_to(places, n_loads) for kind in known)
-    modes = next((found for found in copies if found is not None), None)
-    if modes is None:
-        modes = _modes(stiffness, own.toarray(), places, cutoff)
-        known.append(_Modes(places, n_loads, modes.reshape(*places.shape, -1)))
-    fields = np.concatenate([_strain_fields(places), modes], axis=1)
-    n = modes.shape[1]
-    shapes = modes.reshape(len(vertices), 3, n)
+    kind = next((found for found in known if found.is_moved_to(places, n_loads)), None)
+    if kind is None:
+        copies = (found.turned_to(places, n_loads) for found in known)
+        modes = next((found for found in copies if found is not None), None)
+        stiffness = _stiffness(mesh, scale, vertices, material)
+        if modes is None:
+            modes = _modes(stiffness, own.toarray(), places, cutoff)
+        fields = np.concatenate([_strain_fields(places), modes], axis=1)
+        product = _symmetric(fields.T @ (stiffness @ fields))
+        kind = _Modes(places, n_loads, modes.reshape(*places.shape, -1), product)
+        known.append(kind)
+    shapes, n = kind.modes, kind.modes.shape[2]
     mine = np.flatnonzero(nodes.scale == scale)
     on_nodes = nodes.weights[mine][:, vertices]
     bonds = embedding.bonds
@@ -140,8 +152,8 @@ def _build_body(
         anchor=anchor,
         arms=arms,
         is_point=is_point,
-        modes=(on_nodes @ modes.reshape(len(vertices), 3 * n)).reshape(len(mine), 3, n),
-        stiffness=_symmetric(fields.T @ (stiffness @ fields)),
+        modes=(on_nodes @ shapes.reshape(len(vertices), 3 * n)).reshape(len(mine), 3, n),
+        stiffness=kind.stiffness,
         second_moment=offsets.T @ (weight[:, None] * offsets),
         share=float(shares[carried].sum()),
         mean_modes=weight @ (table @ shapes[:, 2]),

@@ -130,6 +130,18 @@ class SheetParameters(Parameters):
     size: float
 
 
+class TurnedSheetParameters(Parameters):
+    """Also energies by name, sides, directions (degree), curvature (mm-1) and sizes (mm)."""
+
+    length: float
+    width: float
+    curvature: float
+    directions: tuple[float, ...]
+    sides: tuple[str, ...]
+    variants: tuple[Literal["tangent", "paper"], ...]
+    size: float
+
+
 class NativeSheetParameters(NativeParameters):
     """Also sides, curvatures (mm-1), direction (degree) and sizes (mm), contact, solver options."""
 
@@ -216,6 +228,7 @@ STEPS: dict[str, Step] = {
         Step("shape", 3, ShapeParameters, inputs=("cell",)),
         Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
         Step("sheet", 1, SheetParameters, inputs=("fit",)),
+        Step("turned_sheet", 1, TurnedSheetParameters, inputs=("sweep", "tangent")),
         Step("native_sheet", 1, NativeSheetParameters),
         Step("rig", 1, RigParameters, inputs=("fit",)),
     )

@@ -73,6 +73,11 @@ FIGURES = {
         lambda plot, sheet: plot.sheet(sheet),
         "Energy of a sheet between end strips against their curvature.",
     ),
+    "turned_sheet": FigureRecipe(
+        ("turned_sheet", "sweep"),
+        lambda plot, turned, sweep: plot.turned_sheet(turned, sweep),
+        "Energy density of sheets against the direction of the pattern on them, and of the cell.",
+    ),
     "rig": FigureRecipe(
         ("rig",),
         lambda plot, rig: plot.rig(rig),

@@ -128,7 +128,7 @@ def _wanted_steps(
         "solver": experiment.solver.to_config(),
     }
     wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
-    if experiment.tangent is not None or experiment.fit is not None:
+    if experiment.tangent or experiment.fit or experiment.turned_sheet:
         block = experiment.tangent or TangentBlock()
         wanted["tangent"] = (block.model_dump() | native, 1)
     if experiment.sweep is not None:
@@ -142,6 +142,9 @@ def _wanted_steps(
     if experiment.sheet is not None:
         sheet = experiment.sheet
         wanted["sheet"] = (sheet.model_dump(), len(sheet.sides) * len(sheet.curvatures))
+    if experiment.turned_sheet is not None:
+        turned = experiment.turned_sheet
+        wanted["turned_sheet"] = (turned.model_dump(), turned.n_samples)
     if experiment.native_sheet is not None:
         bent = experiment.native_sheet
         wanted["native_sheet"] = (

@@ -1,4 +1,4 @@
-"""`flexscale data`: list, show, verify and export datasets."""
+"""`flexscale data`: list, show, draw, verify and export datasets."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
 
 app = typer.Typer(
-    help="List, show, verify and export datasets, and findings on them.",
+    help="List, show, draw, verify and export datasets, and findings on them.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -109,6 +109,26 @@ def export(
     from flexscale.datasets.export import export as export_entry
 
     sys.stdout.write(f"{export_entry(_open(results).get(dataset), to, format)}\n")
+
+
+@app.command()
+def draw(
+    dataset: Identifier,
+    to: Annotated[Path, typer.Option(help="Existing folder.")] = Path("."),
+    format: Annotated[str, typer.Option(help="png, svg or pdf.")] = "png",
+    results: Results = Path("results"),
+) -> None:
+    """Draw a dataset, by the figure that experiments have of its kind, and print the path."""
+    from flexscale.datasets.export import file_stem
+    from flexscale.plotting.picture_file import require_picture_path, write_picture
+    from flexscale.steps.figures import draw_dataset
+
+    registry = _open(results)
+    entry = registry.get(dataset)
+    path = to / f"{file_stem(entry)}.{format}"
+    require_picture_path(path)
+    write_picture(draw_dataset(entry, registry), path)
+    sys.stdout.write(f"{path}\n")
 
 
 @app.command()

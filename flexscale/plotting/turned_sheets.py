@@ -83,12 +83,12 @@ def turned_sheets(columns: Sequence[tuple[xr.Dataset, xr.Dataset, str]]) -> Figu
             errors = figure.add_subplot(2, n, n + column + 1, sharey=first)
             _draw_errors(errors, turned.sel(side=side), cell)
             if first is None:
-                errors.set_ylabel("energy of the sheet over the cell's, less 1 [%]")
+                errors.set_ylabel("sheet over cell, less 1 [%]")
             else:
                 errors.tick_params(labelleft=False)
             first = first or errors
         turned = columns[0][0]
-        figure.legend(handles=_legend(turned), loc="outside upper center", ncols=3)
+        figure.legend(handles=_legend(turned), loc="outside upper center", ncols=3 if n > 1 else 1)
         sizes = f"{float(turned['length']):g} mm × {float(turned['width']):g} mm"
         at = f"{float(turned['curvature']):g} {unit_text('mm-1')}"
         units = unit_text(str(turned["energy_density"].attrs["units"]))
@@ -171,6 +171,6 @@ def _draw_errors(axes: Axes, turned: xr.Dataset, cell: xr.DataArray) -> None:
 def _legend(turned: xr.Dataset) -> list[Line2D]:
     handles = [Line2D([], [], color=NATIVE_COLOR, marker="o", markersize=2.5, label="native cell")]
     for variant in turned["variant"].values:
-        look, label = _LOOKS[str(variant)], f"macro sheet, energy “{variant}”"
+        look, label = _LOOKS[str(variant)], f"macro sheet, {variant}"
         handles.append(Line2D([], [], color=MACRO_COLOR, markersize=2.5, label=label, **look))
     return handles

@@ -52,6 +52,7 @@ FigureName = Literal[
     "macro_polar",
     "sheet",
     "turned_sheet",
+    "native_sheet",
     "rig",
 ]
 #: Blocks a figure needs.
@@ -65,6 +66,7 @@ _FIGURE_BLOCKS = {
     "macro_polar": "fit",
     "sheet": "sheet",
     "turned_sheet": "turned_sheet",
+    "native_sheet": "native_sheet",
     "rig": "rigs",
 }
 

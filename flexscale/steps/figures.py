@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.identity import Recipe
+from flexscale.errors import BadInputError
 
 if TYPE_CHECKING:
+    from flexscale.datasets.registry import Registry
     from flexscale.datasets.store import Entry, Store
 
 #: Name of the jobs that draw; they make pictures, no datasets.
@@ -78,12 +80,38 @@ FIGURES = {
         lambda plot, turned, sweep: plot.turned_sheet(turned, sweep),
         "Energy density of sheets against the direction of the pattern on them, and of the cell.",
     ),
+    "native_sheet": FigureRecipe(
+        ("native_sheet",),
+        lambda plot, sheet: plot.sheet(sheet),
+        "Energy of a sheet of scales between end strips against their curvature.",
+    ),
     "rig": FigureRecipe(
         ("rig",),
         lambda plot, rig: plot.rig(rig),
         "Force on the testing devices: around the mandrel, and against the stage's shortening.",
     ),
 }
+
+
+def draw_dataset(entry: Entry, registry: Registry) -> Any:
+    """Matplotlib figure, the first that is of the dataset's kind; what else it shows are the dataset's inputs.
+
+    Raises
+    ------
+    BadInputError : there is no figure of this kind.
+    MissingDataError : an input is needed and not among the results.
+    """
+    from flexscale import plotting
+
+    recipes = {recipe.needs[0]: recipe for recipe in reversed(FIGURES.values())}
+    if entry.kind not in recipes:
+        raise BadInputError(
+            f"There is no figure of a {entry.kind}; there are some of {', '.join(sorted(recipes))}."
+        )
+    inputs = {item["id"].split(":")[0]: item["id"] for item in registry.record(entry)["inputs"]}
+    recipe = recipes[entry.kind]
+    others = [registry.load(inputs[kind]) for kind in recipe.needs[1:]]
+    return recipe.draw(plotting, registry.load(entry), *others)
 
 
 def figure_recipe(name: str) -> Recipe:

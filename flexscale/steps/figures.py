@@ -94,7 +94,7 @@ FIGURES = {
 
 
 def draw_dataset(entry: Entry, registry: Registry) -> Any:
-    """Matplotlib figure, the first that is of the dataset's kind; what else it shows are the dataset's inputs.
+    """Matplotlib figure of a dataset: the first of its kind; what else it shows are its inputs.
 
     Raises
     ------

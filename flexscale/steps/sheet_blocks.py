@@ -126,11 +126,6 @@ class TurnedSheetBlock(Block):
         _require_open(self.curvature, self.length)
         return self
 
-    @property
-    def n_samples(self) -> int:
-        """Number of sheets to bend."""
-        return len(self.variants) * len(self.sides) * len(self.directions)
-
 
 class MandrelBlock(Block):
     """A disc clamped at its hub and pushed around its rim."""
@@ -186,10 +181,3 @@ class RigsBlock(Block):
                 for angle in self.mandrel.angles:
                     rim.place(angle)
         return self
-
-    @property
-    def n_samples(self) -> int:
-        """Number of forces to find."""
-        angles = len(self.mandrel.angles) if self.mandrel else 0
-        shortenings = len(self.stage.shortenings) if self.stage else 0
-        return len(self.sides) * (angles + shortenings)

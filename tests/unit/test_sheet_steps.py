@@ -71,7 +71,7 @@ def test_sheets_and_rigs_come_from_the_fit() -> None:
     jobs = {job.title: job for job in plan if job.step in ("sheet", "rig")}
     for name, size in (("sheet", 2 * 3), ("rig", 2 * (6 + 2))):
         assert [plan[needed].step for needed in jobs[name].inputs] == ["fit"]
-        assert jobs[name].size == size
+        assert jobs[name].n_samples == size
     assert [job.title for job in plan if job.step == "figure"] == ["sheet", "rig"]
 
 

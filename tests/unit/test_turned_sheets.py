@@ -58,7 +58,7 @@ def test_turned_sheets_come_from_sweep_and_tangent_without_a_fit() -> None:
     plan = plan_of(CONTENT)
     (job,) = (job for job in plan if job.step == "turned_sheet")
     assert [plan[needed].step for needed in job.inputs] == ["sweep", "tangent"]
-    assert job.size == 2 * 2 * 2
+    assert job.n_samples == 2 * 2 * 2
     assert [job.step for job in plan] == ["cell", "tangent", "sweep", "turned_sheet", "figure"]
 
 

@@ -12,7 +12,7 @@ from flexscale.plotting.figure_scripts import Need
 from flexscale.plotting.turned_sheets import sheet_errors, turned_sheets
 
 _COMMAND = "flexscale run workflows/turned_sheets.yaml"
-PATTERNS = {"chevron": "IH64", "arrowhead": "IH69", "hexagon": "IH20", "square": "IH76"}
+PATTERNS = {"chevron": "IH64", "arrowhead": "IH69", "hexagon": "IH20", "threefold": "IH07"}
 
 NEEDS = {
     f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern})

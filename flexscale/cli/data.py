@@ -160,7 +160,7 @@ def recompute(
     if not found.close:
         raise NonReproducibleError(
             f"{entry.id} does not come out of its recipe again: see above, where more than "
-            f"{again.TOLERANCE:g} is too much. What made it is told by: flexscale data show {entry.id}."
+            f"{again.TOLERANCE:g} is too much. What made it: flexscale data show {entry.id}."
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as json_module
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -138,6 +139,9 @@ def recompute(
     results: Results = Path("results"),
 ) -> None:
     """Compute a dataset again from its recipe and compare; exit code 4 if numbers have changed."""
+    from flexscale.steps.environment import single_threaded
+
+    single_threaded(os.environ)  # as jobs run; before anything below imports numpy
     from flexscale.datasets.identity import SHORT_DIGEST
     from flexscale.steps import recompute as again
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: the energy, which leaves states, moments and stretches uncertain by its root.
 TOLERANCE = 1e-4
 #: What is left of zero, or counts steps: different at every rounding.
-_ROUNDING = ("residual_norm", "mean_offset", "newton_iterations", "contact_pairs", "saddles_left")
+ROUNDING = ("residual_norm", "mean_offset", "newton_iterations", "contact_pairs", "saddles_left")
 
 
 @dataclass(frozen=True)
@@ -45,15 +45,15 @@ class Recomputed:
     def close(self) -> bool:
         """Whether all differences are those that the solver's tolerance allows."""
         return all(
-            off <= TOLERANCE for name, off in self.differences.items() if name not in _ROUNDING
+            off <= TOLERANCE for name, off in self.differences.items() if name not in ROUNDING
         )
 
 
 def recompute(entry: Entry, registry: Registry, workers: int = 1) -> Recomputed:
     """Run the step of a stored dataset again, with its parameters and inputs; nothing is stored.
 
-    On the machine and with the code and libraries that made it, the content is the same to the
-    last bit; elsewhere, sums may be rounded otherwise.
+    On the machine and with the code and libraries that made it, and one thread as in a job (see
+    `single_threaded`), the content is the same to the last bit; else sums are rounded otherwise.
 
     Raises
     ------

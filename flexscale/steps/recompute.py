@@ -53,7 +53,8 @@ def recompute(entry: Entry, registry: Registry, workers: int = 1) -> Recomputed:
     """Run the step of a stored dataset again, with its parameters and inputs; nothing is stored.
 
     On the machine and with the code and libraries that made it, and one thread as in a job (see
-    `single_threaded`), the content is the same to the last bit; else sums are rounded otherwise.
+    `single_threaded`), the content is the same to the last bit; else sums are rounded otherwise,
+    which may decide between two states that lie close together.
 
     Raises
     ------

@@ -122,12 +122,11 @@ def test_shipped_datasets_come_out_again(kind: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "pattern"), [("tangent", "square"), ("sweep", "hexagon")])
-def test_shipped_equilibria_come_out_again(kind: str, pattern: str) -> None:
-    """Within the solver's tolerance, whatever machine they were made on."""
+def test_a_shipped_stiffness_comes_out_again() -> None:
+    """A linear problem: rounding is all that machines and versions may differ by."""
     registry = fs.open_registry(ROOT / "results")
-    found = recompute(registry.find(kind=kind, pattern=pattern).one(), registry)
-    assert found.close, found.differences
+    found = recompute(registry.find(kind="tangent", pattern="square").one(), registry)
+    assert max(found.differences.values(), default=0.0) < 1e-9
 
 
 def test_noise_does_not_count(stored: Entry, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
+from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.scale_modes import SheetSupport, build_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.contact import ContactSurface, ScaleContact, barrier_stiffness
@@ -31,7 +32,7 @@ from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import NeoHookean, Pattern
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import Factorization, build_factorization
-from flexscale.solve.ordering import grouped_order
+from flexscale.solve.ordering import elimination_order
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
 
@@ -275,7 +276,7 @@ class CellProblem:
     def build_factorization(self) -> Factorization:
         """Backend on the present pattern of nonzeros."""
         pattern = (self.pull_back.indptr, self.pull_back.indices)
-        order = grouped_order(*pattern, self.pull_back.groups) if self.bodies else None
+        order = elimination_order(*pattern, self.pull_back.groups) if self.bodies else None
         return build_factorization(*pattern, self.model.linear_solver, order)
 
     def bent(self, bend: Bend) -> BentCell:
@@ -347,6 +348,10 @@ class BentCell:
         """Share of the straight way from one state to another on which no scales meet."""
         contact = self.problem.contact
         return 1.0 if contact is None else contact.free_share(state.world.y, trial.world.y)
+
+    def keep_apart(self, state: CellState, wanted: FloatArray) -> FloatArray | None:
+        """A state near a wanted one to which no scales meet on the way from `state`."""
+        return keep_apart(self.problem, state.world.y, wanted, self.bend)
 
     def moment(self, state: CellState) -> float:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""

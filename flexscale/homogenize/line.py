@@ -17,6 +17,7 @@ import numpy as np
 
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
+from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
@@ -25,6 +26,7 @@ SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
 _SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
 _PATIENCE = 10  # iterations after which a step above that is hard
+_NEAR = 1e-3  # Newton decrement, relative to the energy, below which a hard step is gone on with
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
 
@@ -231,6 +233,16 @@ class _Way:
     iterations: int = 0
     unstable: int = 0
 
+    def count(self, solution: Solution) -> None:
+        """Add a solve."""
+        self.iterations += solution.iterations
+        self.unstable += solution.unstable_iterations
+
+
+def _is_near(solution: Solution) -> bool:
+    """Whether a solve that ran out of iterations is so far that to go on is best."""
+    return solution.decrement <= _NEAR * abs(solution.evaluation.energy)
+
 
 def _advance(
     problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
@@ -252,8 +264,10 @@ def _advance(
         if predicted is None:  # scales meet for the first time: no smaller step makes that easier
             predicted, patience = _squeeze(problem, line, point, target), options
         solution = _solve(problem, line, target, predicted, patience)
-        way.iterations += solution.iterations
-        way.unstable += solution.unstable_iterations
+        way.count(solution)
+        if solution.status == SolveStatus.max_iterations and _is_near(solution):
+            solution = _solve(problem, line, target, solution.z, options)
+            way.count(solution)
         if solution.status == SolveStatus.converged:
             point = _next_point(problem, line, point, target, solution)
             done += share
@@ -282,8 +296,9 @@ def _bend_back(
 def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:
     """The better start at `target` of those along dz/dkappa and along its parabola.
 
-    None if scales would meet on the straight way to both, or if both have so much energy that a
-    smaller step is the faster way: from there Newton may wander through buckled states.
+    If scales would meet on the straight way to both, one at which they are kept apart. None if
+    there is none, or if all have so much energy that a smaller step is the faster way: from there
+    Newton may wander through buckled states.
     """
     span = target - point.curvature
     straight = point.z + span * point.rate
@@ -293,7 +308,25 @@ def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> 
         energy = state.energy / problem.area
         if energy <= lowest and _is_free(problem, line, point, state):
             best, lowest = z, energy
+    if best is None:
+        apart = _keep_apart(problem, line, point, target, straight)
+        if apart is not None:
+            energy = problem.bent(line.bend(target)).evaluate(apart).energy / problem.area
+            return apart if energy <= lowest else None
     return best
+
+
+def _keep_apart(
+    problem: CellProblem, line: Line, point: _Point, target: float, wanted: FloatArray
+) -> FloatArray | None:
+    """As `keep_apart`, from a point on the line."""
+    if problem.contact is None:
+        return None
+    cell = problem.bent(line.bend(point.curvature))
+    state = cell.evaluate(point.z)
+    if problem.system.factorize(cell.hessian_values(state)) > 0:
+        return None
+    return keep_apart(problem, state.world.y, wanted, line.bend(target))
 
 
 def _is_free(problem: CellProblem, line: Line, point: _Point, state: CellState) -> bool:

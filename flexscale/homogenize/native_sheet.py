@@ -29,7 +29,6 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import SheetTiles, clip_pattern
-from flexscale.solve.linear import Factorization, build_factorization
 from flexscale.solve.newton import SolverOptions
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
@@ -129,12 +128,6 @@ class NativeSheet(CellProblem):
         free[nodes[:, None] + np.arange(9) + n_bodies - 3 * inner.n_nodes] = False
         free[n - 3 :] = True, False, False
         return np.flatnonzero(free)
-
-    def build_factorization(self) -> Factorization:
-        """Backend with its own ordering: of the plane's many scales nested dissection leaves a
-        fifth of the operations that scale after scale does."""
-        pattern = (self.pull_back.indptr, self.pull_back.indices)
-        return build_factorization(*pattern, self.model.linear_solver)
 
     def build_system(self) -> None:
         """Analyze the present pattern of nonzeros; what is held needs no constraint."""

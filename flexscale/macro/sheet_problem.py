@@ -209,3 +209,7 @@ class SheetProblem:
     def free_share(self, state: SheetState, trial: SheetState) -> float:
         """All of a step: a macro sheet meets nothing."""
         return 1.0
+
+    def keep_apart(self, state: SheetState, wanted: FloatArray) -> FloatArray:
+        """What is wanted: a macro sheet meets nothing."""
+        return wanted

@@ -14,10 +14,12 @@ import ipctk
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.mechanics.contact_gaps import LinearGaps
 from flexscale.mechanics.energy import FloatArray, IntArray
 
 ipctk.set_num_threads(1)
 
+SWEEPS = 4  # of collision detection along one way
 NEAR = 20.0  # d_hat: primitives closer than this get room in the Hessian when contact needs any
 
 
@@ -144,12 +146,58 @@ class ScaleContact:
         return np.stack(np.divmod(keys, rows.max() + 1), axis=1), out
 
     def free_share(self, start: FloatArray, end: FloatArray) -> float:
-        """Share of the straight way from y = start to end on which nothing passes through."""
-        return float(
-            ipctk.compute_collision_free_stepsize(
-                self._mesh, self.positions(start), self.positions(end), 0.0, None, self._sweep
+        """Share of the straight way from y = start to end on which nothing passes through.
+
+        One sweep stops where a distance is a tenth of what it is at its start: the next goes on
+        from there.
+        """
+        first, last = self.positions(start), self.positions(end)
+        done = 0.0
+        for _ in range(SWEEPS):
+            here = np.asfortranarray(first + done * (last - first))
+            share = ipctk.compute_collision_free_stepsize(
+                self._mesh, here, last, 0.0, None, self._sweep
             )
-        )
+            if share >= 1.0:
+                return 1.0
+            done += (1.0 - done) * share
+        return float(done)
+
+    def gaps(self, y: FloatArray, reach: float) -> LinearGaps:
+        """Distances of primitives closer than `reach` [mm], linear around y."""
+        positions, found = self.positions(y), ipctk.NormalCollisions()
+        found.build(self._mesh, positions, reach)
+        edges, faces = self._mesh.edges, self._mesh.faces
+        stencils = np.full((len(found), 4), -1, dtype=np.int64)
+        shares = np.zeros((len(found), 4))
+        for k in range(len(found)):
+            pair = found[k]
+            stencils[k] = pair.vertex_ids(edges, faces)
+            mix = pair.compute_coefficients(pair.dof(positions, edges, faces))
+            shares[k, : len(mix)] = mix
+        used = stencils >= 0
+        entries = (shares[used], (np.nonzero(used)[0], stencils[used]))
+        matrix = sp.csr_array(entries, shape=(len(found), len(positions)))
+        arrows = matrix @ positions
+        distances = np.linalg.norm(arrows, axis=1)
+        bodies = np.where(used, self.surface.bodies[stencils], self.surface.bodies[stencils[:, :1]])
+        pairs = bodies.min(axis=1) * (self.surface.bodies.max() + 1) + bodies.max(axis=1)
+        return LinearGaps(matrix, arrows / distances[:, None], distances, pairs)
+
+    def push(self, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force [N] of pairs at distances 0 < d <= d_hat, and how it grows as they close [N/mm]."""
+        d_hat = self.activation_distance
+        s = (distance / d_hat) ** 2
+        slope = 2.0 * (s - 1.0) * np.log(s) + (s - 1.0) ** 2 / s
+        growth = 2.0 * np.log(s) + 4.0 * (s - 1.0) / s - ((s - 1.0) / s) ** 2
+        scale = 2.0 * self.stiffness * d_hat**2
+        return scale * distance * slope, -scale * (slope + 2.0 * s * growth)
+
+    def distance_at(self, force: FloatArray) -> FloatArray:
+        """Distances [mm] at which pairs push with forces >= 0 [N]; to a thousandth of d_hat."""
+        distances = self.activation_distance * np.linspace(1.0, 1e-3, 1000)
+        found: FloatArray = np.interp(force, self.push(distances)[0], distances)
+        return found
 
     def near_pairs(self, y: FloatArray) -> IntArray:
         """(n, 2) rows a <= b that primitives closer than `NEAR` d_hat couple."""

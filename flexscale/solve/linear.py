@@ -37,7 +37,12 @@ class Factorization(Protocol):
 
 
 class PardisoFactorization:
-    """Intel MKL's PARDISO, Bunch-Kaufman L D L^T, one thread, reproducible."""
+    """Intel MKL's PARDISO, Bunch-Kaufman L D L^T, one thread, reproducible.
+
+    Attributes
+    ----------
+    order : (n,) the order of elimination, given or found by nested dissection.
+    """
 
     name = "pardiso"
 
@@ -64,10 +69,10 @@ class PardisoFactorization:
         self._indptr = np.ascontiguousarray(indptr, dtype=np.int32)
         self._indices = np.ascontiguousarray(indices, dtype=np.int32)
         self._nothing = np.zeros((n, 1), order="F")
-        self._order = np.zeros(n, dtype=np.int32)
+        self.order = np.zeros(n, dtype=np.int32)
         if order is not None:
-            self._order[:] = order
-            self._solver.set_iparm(5, 1)
+            self.order[:] = order
+        self._solver.set_iparm(5, 2 if order is None else 1)
         self._call(11, self._nothing)
 
     def _call(self, phase: int, right_hand_sides: FloatArray) -> FloatArray:
@@ -80,7 +85,7 @@ class PardisoFactorization:
             _address(self._values, ctypes.c_double),
             _address(self._indptr, number),
             _address(self._indices, number),
-            _address(self._order, number),
+            _address(self.order, number),
             ctypes.byref(number(right_hand_sides.shape[1])),
             _address(solver.iparm, number),
             ctypes.byref(number(0)),
@@ -192,3 +197,11 @@ def build_factorization(
     little fill.
     """
     return _BACKENDS[available_linear_solver(name)](indptr, indices, order)
+
+
+def nested_dissection(indptr: IntArray, indices: IntArray) -> IntArray | None:
+    """Order (n,) of elimination by nested dissection (METIS) of a pattern as of
+    `build_factorization`; None without PARDISO, which has it."""
+    if available_linear_solver() != "pardiso":
+        return None
+    return PardisoFactorization(indptr, indices).order.astype(np.int64)

@@ -22,6 +22,8 @@ from flexscale.status import SolveStatus
 from flexscale.units import require_positive
 
 CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
+_BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned aside not shortened
+NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 
@@ -90,6 +92,9 @@ class Objective(Protocol):
     def free_share(self, evaluation: Any, trial: Any) -> float:
         """Share of the straight way in the world from one state to another without contact."""
 
+    def keep_apart(self, evaluation: Any, wanted: FloatArray) -> FloatArray | None:
+        """State near a wanted one that can be reached, by the matrix factorized last."""
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -106,6 +111,7 @@ class Solution:
     negative_eigenvalues : of the unprojected Hessian on the constraint, at the last factorization.
     saddles_left : stationary points with negative eigenvalues that were met and left on the way.
     unstable_iterations : those at which the energy curved downward, and not by contact alone.
+    decrement : Newton decrement before the last step, N mm.
     """
 
     z: FloatArray
@@ -117,6 +123,7 @@ class Solution:
     negative_eigenvalues: int
     saddles_left: int = 0
     unstable_iterations: int = 0
+    decrement: float = np.inf
 
 
 @dataclass
@@ -168,6 +175,7 @@ def _newton(
     compliance = 0.0 if penalty.rho == 0.0 else 0.5 / penalty.rho
     evaluation = problem.evaluate(z)
     multiplier, negative, escapes, unstable = penalty.multiplier, 0, 0, 0
+    decrement = np.inf
 
     def result(status: SolveStatus, iterations: int) -> Solution:
         constraint = problem.system.constraint
@@ -175,7 +183,7 @@ def _newton(
         slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
         residual = float(np.linalg.norm(evaluation.gradient + slope * constraint))
         counts = (iterations, residual, negative, escapes, unstable)
-        return Solution(z, evaluation, multiplier, status, *counts)
+        return Solution(z, evaluation, multiplier, status, *counts, decrement)
 
     if not np.isfinite(evaluation.energy):
         return result(SolveStatus.infeasible_start, used)
@@ -190,7 +198,7 @@ def _newton(
         decrement = -float(gradient @ step)
         scale = abs(evaluation.energy)
         small = decrement <= options.tolerance * scale + problem.energy_floor
-        if small and negative > 0 and escapes < 3:
+        if decrement <= NEAR_SADDLE * scale and negative > 0 and escapes < 3:
             escapes += 1
             z, evaluation = _leave_saddle(problem, evaluation, z, scale)
             continue
@@ -267,6 +275,13 @@ def _search(
         trial[active] += length * step
         found = problem.evaluate(trial)
         free = problem.free_share(evaluation, found) if np.isfinite(found.energy) else 0.0
+        if free < _BLOCKED and length == 1.0:
+            kept = problem.keep_apart(evaluation, trial)
+            if kept is not None:
+                found = problem.evaluate(kept)
+                value = found.energy + penalty.energy(float(c @ kept[active]))
+                if np.isfinite(value) and value <= start - 1e-4 * decrement:
+                    return length, kept, found
         if free < 1.0:
             length *= min(0.9, max(0.1, 0.9 * free))
             continue

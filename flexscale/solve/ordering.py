@@ -2,7 +2,9 @@
 
 A scale's unknowns are coupled with one another and with all of the sheet around it: to an ordering
 that sees the pattern alone they look like any others. Eliminated after the sheet, scale by scale,
-they leave a third of the operations for a cell of sixteen scales.
+they leave less than half of the operations for a cell of four scales. But eliminating all of the
+sheet couples every scale with every other: for many scales nested dissection is better, once it
+does not see the lattice's strain, which every element depends on.
 """
 
 from __future__ import annotations
@@ -12,6 +14,9 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from flexscale.mechanics.energy import IntArray
+from flexscale.solve.linear import nested_dissection
+
+MANY = 14  # scales, from which on nested dissection leaves fewer operations
 
 
 def grouped_order(indptr: IntArray, indices: IntArray, groups: IntArray) -> IntArray:
@@ -37,6 +42,24 @@ def grouped_order(indptr: IntArray, indices: IntArray, groups: IntArray) -> IntA
     between = sp.csr_array((entries.data[inner], (first[inner], second[inner])), shape=(last, last))
     members = [np.flatnonzero(groups == k) for k in [*minimum_degree(between), last]]
     return np.concatenate([single[minimum_degree(pattern[single][:, single])], *members])
+
+
+def elimination_order(indptr: IntArray, indices: IntArray, groups: IntArray) -> IntArray | None:
+    """The better of both orders for so many groups; arguments and result as of `grouped_order`.
+
+    None where nested dissection is wanted but not at hand.
+    """
+    if groups.max() < MANY:
+        return grouped_order(indptr, indices, groups)
+    n = len(groups)
+    last = groups == groups.max()
+    pattern = sp.csr_array((np.ones(len(indices)), indices, indptr), shape=(n, n))
+    others = sp.csr_array(pattern[~last][:, ~last])
+    others.sort_indices()
+    order = nested_dissection(others.indptr, others.indices)
+    if order is None:
+        return None
+    return np.concatenate([np.flatnonzero(~last)[order], np.flatnonzero(last)])
 
 
 def minimum_degree(pattern: sp.csr_array) -> IntArray:

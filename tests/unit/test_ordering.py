@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from flexscale.solve.linear import build_factorization
-from flexscale.solve.ordering import grouped_order, minimum_degree
+from flexscale.solve.linear import ENVIRONMENT_VARIABLE, build_factorization
+from flexscale.solve.ordering import MANY, elimination_order, grouped_order, minimum_degree
 
 RNG = np.random.default_rng(3)
 
@@ -55,3 +55,25 @@ def test_solutions_do_not_depend_on_the_order():
         factorization = build_factorization(matrix.indptr, matrix.indices, order=order)
         assert factorization.factorize(matrix.data) == 0
         assert np.abs(full @ factorization.solve(load) - load).max() < 1e-11
+
+
+def test_many_groups_by_nested_dissection_all_but_the_last():
+    """A row that is coupled with everything does not spoil the order of the others."""
+    matrix = sp.lil_array(grid(20))
+    matrix[:, 399] = 0.01
+    matrix[399, 399] = 10.0
+    upper = sp.csr_array(sp.triu(matrix))
+    upper.sort_indices()
+    groups = np.full(400, -1)
+    groups[:MANY], groups[399] = np.arange(MANY), MANY
+    order = elimination_order(upper.indptr, upper.indices, groups)
+    assert order is not None
+    assert sorted(order) == list(range(400))
+    assert order[-1] == 399
+    assert fill(upper, order) < 0.5 * fill(upper, np.arange(400))
+
+
+def test_without_pardiso_the_backend_orders_many_groups(monkeypatch):
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, "superlu")
+    matrix = grid(5)
+    assert elimination_order(matrix.indptr, matrix.indices, np.arange(25)) is None

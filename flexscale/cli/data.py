@@ -1,8 +1,9 @@
-"""`flexscale data`: list, show, verify and export datasets."""
+"""`flexscale data`: list, show, draw, verify, recompute and export datasets."""
 
 from __future__ import annotations
 
 import json as json_module
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexscale.cli.options import Json, Quiet, Results
-from flexscale.errors import ConfigError, IntegrityError
+from flexscale.errors import ConfigError, IntegrityError, NonReproducibleError
 
 if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
 
 app = typer.Typer(
-    help="List, show, verify and export datasets, and findings on them.",
+    help="List, show, draw, verify, recompute and export datasets, and findings on them.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -109,6 +110,62 @@ def export(
     from flexscale.datasets.export import export as export_entry
 
     sys.stdout.write(f"{export_entry(_open(results).get(dataset), to, format)}\n")
+
+
+@app.command()
+def draw(
+    dataset: Identifier,
+    to: Annotated[Path, typer.Option(help="Existing folder.")] = Path("."),
+    format: Annotated[str, typer.Option(help="png, svg or pdf.")] = "png",
+    results: Results = Path("results"),
+) -> None:
+    """Draw a dataset, by the figure that experiments have of its kind, and print the path."""
+    from flexscale.datasets.export import file_stem
+    from flexscale.plotting.picture_file import require_picture_path, write_picture
+    from flexscale.steps.figures import draw_dataset
+
+    registry = _open(results)
+    entry = registry.get(dataset)
+    path = to / f"{file_stem(entry)}.{format}"
+    require_picture_path(path)
+    write_picture(draw_dataset(entry, registry), path)
+    sys.stdout.write(f"{path}\n")
+
+
+@app.command()
+def recompute(
+    dataset: Identifier,
+    cores: Annotated[int, typer.Option(min=1, help="Processes a sweep may use.")] = 1,
+    results: Results = Path("results"),
+) -> None:
+    """Compute a dataset again from its recipe and compare; exit code 4 if numbers have changed."""
+    from flexscale.steps.environment import single_threaded
+
+    single_threaded(os.environ)  # as jobs run; before anything below imports numpy
+    from flexscale.datasets.identity import SHORT_DIGEST
+    from flexscale.steps import recompute as again
+
+    registry = _open(results)
+    entry = registry.get(dataset)
+    found = again.recompute(entry, registry, cores)
+    if found.version != found.stored_version:
+        print(
+            f"The step has version {found.version} now, the dataset is of {found.stored_version}: "
+            "numbers have changed on purpose.",
+            file=sys.stderr,
+        )
+    if found.same:
+        verdict = f"same content, digest {entry.content_digest[:SHORT_DIGEST]}"
+    else:
+        verdict = "same within the solver's tolerance" if found.close else "other numbers"
+    sys.stdout.write(f"{entry.id}  {verdict}  {found.seconds:.0f} s\n")
+    for name, off in sorted(found.differences.items(), key=lambda item: -item[1]):
+        sys.stdout.write(f"  {name:<28} differs by {off:.2g} of its largest value\n")
+    if not found.close:
+        raise NonReproducibleError(
+            f"{entry.id} does not come out of its recipe again: see above, where more than "
+            f"{again.TOLERANCE:g} is too much. What made it: flexscale data show {entry.id}."
+        )
 
 
 @app.command()

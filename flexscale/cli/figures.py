@@ -5,9 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from flexscale.datasets.registry import open_registry
+from flexscale.datasets.registry import Registry, open_registry
 from flexscale.errors import BadInputError, ConfigError, MissingDataError
+from flexscale.findings import all_findings
 from flexscale.plotting.figure_scripts import find_scripts
 from flexscale.plotting.figures import draw_figure
 from flexscale.plotting.index_page import write_index
@@ -41,9 +43,18 @@ def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Seq
         else:
             print(f"{report.stem}  missing: {report.message}", file=sys.stderr)
     if any(report.paths for report in reports):
-        sys.stdout.write(f"{write_index(reports, target)}\n")
+        sys.stdout.write(f"{write_index(reports, target, _findings(registry))}\n")
     missing = any(report.outcome == "missing" for report in reports)
     return MissingDataError.exit_code if missing else 0
+
+
+def _findings(registry: Registry) -> list[dict[str, Any]]:
+    """Findings on what is stored; none, and a sentence on stderr, where it does not suffice."""
+    try:
+        return [finding.to_dict() for finding in all_findings(registry)]
+    except MissingDataError as error:
+        print(f"no table of findings: {error}", file=sys.stderr)
+        return []
 
 
 def scripts_folder() -> Path:

@@ -17,6 +17,7 @@ from rich.progress import (
 )
 from rich.progress import Progress as RichProgress
 
+from flexscale.steps.catalog import STEPS
 from flexscale.steps.plan import Plan
 
 _INTERVAL = 30.0  # s between lines where there is no terminal
@@ -37,8 +38,9 @@ class Progress:
         self.quiet = quiet
         self.started = self.last_line = time.monotonic()
         self.jobs_left = sum(job.id not in finished for job in plan)
-        self.samples = {job.id: 0 for job in plan if job.id not in finished and job.step == "sweep"}
-        self.total = sum(plan[job_id].size for job_id in self.samples)
+        told = {name for name, step in STEPS.items() if step.resumable}
+        self.samples = {job.id: 0 for job in plan if job.id not in finished and job.step in told}
+        self.total = sum(plan[job_id].n_samples for job_id in self.samples)
         self.n_failed: dict[str, int] = {}
         self.working: dict[str, float] = {}
         self.where = ""
@@ -81,7 +83,7 @@ class Progress:
             self.working.pop(job_id, None)
             self.jobs_left -= 1
             outcome = f"{event['seconds']:.0f} s" if kind == "end" else "failed"
-            self._say(f"{self.plan[job_id].label:<28} {outcome}")
+            self._say(f"{self.plan[job_id].label:<32} {outcome}")
         self._refresh()
 
     def _refresh(self) -> None:

@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from flexscale.cli.progress import Progress
+from flexscale.datasets.registry import Registry, open_registry
 from flexscale.datasets.store import Store
+from flexscale.steps.catalog import STEPS
 from flexscale.steps.engine import finished_jobs, run_plan
+from flexscale.steps.estimate import estimate_seconds
 from flexscale.steps.experiment import Experiment, load_experiment
 from flexscale.steps.plan import Job, Plan, build_plan
 from flexscale.steps.summary import describe_fields, outcome
@@ -47,7 +50,7 @@ def run_experiment(
     store = Store(results)
     finished = finished_jobs(plan, store)
     if dry_run:
-        _announce(plan, finished)
+        _announce(plan, finished, open_registry(results), cores or _all_cores())
         return 0
     errors: dict[str, dict[str, Any]] = {}
     seconds: dict[str, float] = {}
@@ -93,16 +96,37 @@ def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt
 
 
-def _announce(plan: Plan, finished: dict[str, str]) -> None:
+def _announce(plan: Plan, finished: dict[str, str], registry: Registry, cores: int) -> None:
+    """One line per job on stdout; their number, samples and probable time on stderr."""
+    todo = [job for job in plan if job.id not in finished]
+    seconds = estimate_seconds(todo, registry)
     for job in plan:
-        if job.id in finished:
-            state = f"reused  {finished[job.id]}"
-        else:
-            state = f"to do   {job.size} samples" if job.step == "sweep" else "to do"
-        sys.stdout.write(f"{job.label:<28} {state}\n")
-    samples = sum(job.size for job in plan if job.step == "sweep" and job.id not in finished)
-    todo = len(plan.jobs) - len(finished)
-    print(f"{todo} of {len(plan.jobs)} jobs to do, with {samples} samples.", file=sys.stderr)
+        state = f"reused  {finished[job.id]}" if job.id in finished else "to do"
+        if job.id not in finished and job.n_samples:
+            state += f"   {job.n_samples} samples"
+        if job.id in seconds:
+            state += f"   about {_rough(seconds[job.id])}"
+        sys.stdout.write(f"{job.label:<32} {state}\n")
+    samples = sum(job.n_samples for job in todo)
+    text = f"{len(todo)} of {len(plan.jobs)} jobs to do, with {samples} samples"
+    new = sorted({job.step for job in todo if job.step in STEPS and job.id not in seconds})
+    if new:
+        text += f"; there is no earlier record of {', '.join(new)}"
+    if seconds:
+        total = sum(seconds.values())
+        text += f"{', the rest takes' if new else '; judging by earlier records, it takes'} about "
+        text += f"{_rough(total)} of one core"
+        # Inputs come before results, so that not all cores are always busy.
+        text += f", {_rough(total / cores)} at best on {cores}" if cores > 1 else ""
+    print(f"{text}.", file=sys.stderr)
+
+
+def _rough(seconds: float) -> str:
+    """A time to two digits: "40 s", "12 min", "3.5 h"."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"
 
 
 def _report(
@@ -117,11 +141,11 @@ def _report(
     unconverged = False
     for job in plan:
         if job.id not in finished:
-            sys.stdout.write(f"{job.label:<28} {'failed' if job.id in errors else 'not run'}\n")
+            sys.stdout.write(f"{job.label:<32} {'failed' if job.id in errors else 'not run'}\n")
             continue
         how = f"{seconds[job.id]:.0f} s" if job.id in seconds else "reused"
         told, failures = outcome(store, stored[job.id]) if job.id in stored else ("", [])
-        sys.stdout.write(f"{job.label:<28} {how:<8} {finished[job.id]}{told}\n")
+        sys.stdout.write(f"{job.label:<32} {how:<8} {finished[job.id]}{told}\n")
         for line in failures:
             print(f"  {line}", file=sys.stderr)
         unconverged |= bool(failures)

@@ -38,19 +38,63 @@ def build_sheet_dataset(
     direction : degree, of the length in the pattern's coordinates.
     scalars, config, recipe : as in `build_sweep_dataset`.
     """
-    kappa = np.asarray(curvatures, dtype=float)
-    signs = np.array([1 if side == "closing" else -1 for side in sides], dtype=np.int8)
     values = {
         **arrays,
-        "side": list(sides),
-        "curvature": kappa,
-        "side_sign": signs,
-        "signed_curvature": signs[:, None] * kappa,
+        **_sided(sides, curvatures),
         "length": length,
         "width": width,
         "direction": direction,
     }
     return build_dataset(kind, values, scalars=scalars, config=config, recipe=recipe)
+
+
+def build_turned_sheet_dataset(
+    variants: Sequence[str],
+    sides: Sequence[str],
+    directions: ArrayLike,
+    arrays: Mapping[str, ArrayLike],
+    *,
+    curvature: float,
+    length: float,
+    width: float,
+    scalars: Mapping[str, float | str],
+    config: Mapping[str, Any],
+    recipe: Recipe | None = None,
+) -> xr.Dataset:
+    """Dataset of kind turned_sheet.
+
+    Parameters
+    ----------
+    variants : energies of a curvature tensor, of `variables.VARIANTS`.
+    sides : of "closing", "opening".
+    directions : (n,) degree, increasing, of the lengths in the pattern's coordinates.
+    arrays : (n_variants, n_sides, n) variables by the names of the schema; real values become nan
+        wherever `status` is not 0.
+    curvature : mm-1, positive.
+    length, width : mm.
+    scalars, config, recipe : as in `build_sweep_dataset`.
+    """
+    values = {
+        **arrays,
+        **_sided(sides, curvature),
+        "variant": list(variants),
+        "direction": np.asarray(directions, dtype=float),
+        "length": length,
+        "width": width,
+    }
+    return build_dataset("turned_sheet", values, scalars=scalars, config=config, recipe=recipe)
+
+
+def _sided(sides: Sequence[str], curvature: ArrayLike) -> dict[str, Any]:
+    """Sides and curvatures (mm-1, one or several), and what follows from them."""
+    kappa = np.asarray(curvature, dtype=float)
+    signs = np.array([1 if side == "closing" else -1 for side in sides], dtype=np.int8)
+    return {
+        "side": list(sides),
+        "curvature": kappa,
+        "side_sign": signs,
+        "signed_curvature": np.multiply.outer(signs, kappa),
+    }
 
 
 def build_rig_dataset(

@@ -13,7 +13,7 @@ from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_para
 from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.schema import ENERGY_PARTS, SWEEP, schema_of
-from flexscale.datasets.sheet_checks import check_rig, check_sheet_samples
+from flexscale.datasets.sheet_checks import check_rig, check_sheet_samples, check_turned_sheet
 from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 
@@ -211,6 +211,7 @@ _CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
     "shape": _check_mesh(_SHAPE_INDICES),
     "fit": _check_fit,
     "sheet": check_sheet_samples,
+    "turned_sheet": check_turned_sheet,
     "native_sheet": check_sheet_samples,
     "rig": check_rig,
 }

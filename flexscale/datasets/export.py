@@ -49,6 +49,11 @@ def _variable_text(name: str, array: xr.DataArray) -> str:
     return f"{name}{unit}{value}  {f'({sizes})  ' if sizes else ''}{array.attrs['long_name']}"
 
 
+def file_stem(entry: Entry) -> str:
+    """Name of a file made of a dataset, without ending: sheet_IH64_chevron_bfc5e4a27ae8."""
+    return "_".join([entry.kind, entry.row["family"], entry.row["pattern"], entry.folder.name])
+
+
 def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Path:
     """Verified copy of a dataset as one file, complete or not there.
 
@@ -68,8 +73,7 @@ def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Pa
     if file_format not in FORMATS:
         raise ConfigError(f"There is no format {file_format!r}. {suggest(file_format, FORMATS)}")
     dataset = load_entry(entry)
-    stem = "_".join([entry.kind, entry.row["family"], entry.row["pattern"], entry.folder.name])
-    path = folder / f"{stem}.{file_format}"
+    path = folder / f"{file_stem(entry)}.{file_format}"
     if file_format == "nc":
         source = entry.folder / "data.nc"
         write_atomically(path, lambda file: file.write_bytes(source.read_bytes()))

@@ -7,7 +7,7 @@ import xarray as xr
 
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.sheet_schema import DEVICE_COORDINATES, DEVICE_VARIABLES
-from flexscale.datasets.variables import Variable
+from flexscale.datasets.variables import VARIANTS, Variable
 from flexscale.errors import SchemaError
 
 
@@ -18,12 +18,37 @@ def check_sheet_samples(dataset: xr.Dataset) -> None:
     check_axis(curvature, "curvature", "mm-1")
     if curvature[0] < 0.0:
         raise SchemaError("Curvatures of a sheet must not be negative: the side carries the sign.")
+    _check_bent(dataset, "sheet")
+
+
+def check_turned_sheet(dataset: xr.Dataset) -> None:
+    """Energies, sides, directions, sizes, and numbers exactly where the sheet converged."""
+    variants = [str(variant) for variant in dataset["variant"].values]
+    if not variants or len(set(variants)) != len(variants) or not set(variants) <= set(VARIANTS):
+        raise SchemaError(
+            f"Turned sheets have the energies {variants}, not of {', '.join(VARIANTS)}, once each."
+        )
+    check_sides(dataset, "turned sheet")
+    directions = dataset["direction"].values
+    check_axis(directions, "direction", "degree")
+    if directions[0] < 0.0 or directions[-1] >= 180.0:
+        raise SchemaError("Directions of turned sheets must lie in [0, 180) degree.")
+    if not float(dataset["curvature"]) > 0.0:
+        raise SchemaError("The curvature of turned sheets must be positive: the side has the sign.")
+    _check_bent(dataset, "turned sheet")
+
+
+def _check_bent(dataset: xr.Dataset, what: str) -> None:
+    """Signed curvatures, sizes, statuses, and numbers exactly where the sheet converged."""
     signs = np.where(dataset["side"].values == "closing", 1.0, -1.0)
-    if not np.array_equal(dataset["signed_curvature"].values, signs[:, None] * curvature):
-        raise SchemaError("The signed curvatures of a sheet do not follow from side and curvature.")
+    signed = np.multiply.outer(signs, dataset["curvature"].values)
+    if not np.array_equal(dataset["signed_curvature"].values, signed):
+        raise SchemaError(
+            f"The signed curvatures of a {what} do not follow from side and curvature."
+        )
     _check_sizes(dataset, ("length", "width"))
     status = dataset["status"]
-    check_status(status, "sheet")
+    check_status(status, what)
     for variable in dataset.data_vars.values():
         if variable.dims == status.dims and variable.dtype.kind == "f":
             check_numbers(variable, status)

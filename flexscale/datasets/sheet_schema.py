@@ -8,6 +8,7 @@ Measured = tuple[Variable, ...]
 
 _SIDE = Variable("side", ("side",), "text", "", "side to which the sheet is bent")
 _BENT = ("side", "curvature")
+_TURNED = ("variant", "side", "direction")
 _COUNTS = (
     ("newton_iterations", "Newton iterations"),
     ("negative_eigenvalues", "negative eigenvalues of the Hessian"),
@@ -18,36 +19,65 @@ def _number(name: str, dims: tuple[str, ...], units: str, long_name: str) -> Var
     return Variable(name, dims, "float64", units, long_name)
 
 
-def _count(name: str, long_name: str) -> Variable:
-    return Variable(name, _BENT, "int32", "1", long_name)
+def _count(name: str, dims: tuple[str, ...], long_name: str) -> Variable:
+    return Variable(name, dims, "int32", "1", long_name)
 
 
-_STRIPS = (
-    _SIDE,
-    _number("curvature", ("curvature",), "mm-1", "curvature of the end strips"),
-    Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
-    _number("signed_curvature", _BENT, "mm-1", "curvature, closing > 0"),
-    _number("length", (), "mm", "length of the sheet, along which it is bent"),
-    _number("width", (), "mm", "width of the sheet"),
-    _number("direction", (), "degree", "direction of the length in the pattern's coordinates"),
-)
-_RESPONSE = (
-    _number("energy", _BENT, "N mm", "elastic energy of the sheet"),
-    _number("energy_density", _BENT, "N mm-1", "energy per rest area"),
-    _number("moment", _BENT, "N", "mean bending moment per width, to its side"),
-    _number("slide", _BENT, "mm", "slide of the free strip along the arc, away from the other"),
-    *(_count(name, long_name) for name, long_name in _COUNTS),
-    Variable("status", _BENT, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),
-)
+def _strips(curvature: tuple[str, ...], direction: tuple[str, ...]) -> Measured:
+    """Sheet and strips; curvature and direction are axes, or the same for all sheets."""
+    return (
+        _SIDE,
+        _number("curvature", curvature, "mm-1", "curvature of the end strips"),
+        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+        _number("signed_curvature", ("side", *curvature), "mm-1", "curvature, closing > 0"),
+        _number("length", (), "mm", "length of the sheet, along which it is bent"),
+        _number("width", (), "mm", "width of the sheet"),
+        _number(
+            "direction", direction, "degree", "direction of the length in the pattern's coordinates"
+        ),
+    )
+
+
+def _response(dims: tuple[str, ...]) -> Measured:
+    return (
+        _number("energy", dims, "N mm", "elastic energy of the sheet"),
+        _number("energy_density", dims, "N mm-1", "energy per rest area"),
+        _number("moment", dims, "N", "mean bending moment per width, to its side"),
+        _number("slide", dims, "mm", "slide of the free strip along the arc, away from the other"),
+        *(_count(name, dims, long_name) for name, long_name in _COUNTS),
+        Variable("status", dims, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),
+    )
+
+
+def _steepest(dims: tuple[str, ...]) -> Variable:
+    return _number("largest_curvature", dims, "mm-1", "largest principal curvature in the sheet")
+
 
 SHEET = Schema(
     "sheet",
     1,
     "Rectangular sheet of a macro model, bent between two end strips",
-    coordinates=_STRIPS,
+    coordinates=_strips(("curvature",), ()),
+    variables=(*_response(_BENT), _steepest(_BENT)),
+)
+
+TURNED_SHEET = Schema(
+    "turned_sheet",
+    1,
+    "Rectangular sheets of macro models between end strips, with the pattern turned on them",
+    coordinates=(
+        Variable("variant", ("variant",), "text", "", "energy of a curvature tensor"),
+        *_strips((), ("direction",)),
+    ),
     variables=(
-        *_RESPONSE,
-        _number("largest_curvature", _BENT, "mm-1", "largest principal curvature in the sheet"),
+        *_response(_TURNED),
+        _steepest(_TURNED),
+        _number(
+            "law_energy_density",
+            _TURNED,
+            "N mm-1",
+            "energy per area of the model bent to the cylinder everywhere",
+        ),
     ),
 )
 
@@ -55,11 +85,11 @@ NATIVE_SHEET = Schema(
     "native_sheet",
     1,
     "Rectangular sheet of whole and cut scales, bent between two end strips",
-    coordinates=_STRIPS,
+    coordinates=_strips(("curvature",), ()),
     variables=(
-        *_RESPONSE,
+        *_response(_BENT),
         _number("min_gap", _BENT, "mm", "smallest distance between scales"),
-        _count("contact_pairs", "active contact pairs"),
+        _count("contact_pairs", _BENT, "active contact pairs"),
         Variable("n_scales", (), "int32", "1", "scales, cut ones included"),
         Variable("n_unknowns", (), "int32", "1", "unknowns of the model"),
     ),

@@ -96,6 +96,9 @@ def double_curvature_is_resisted(patterns: Sequence[PatternData]) -> Finding:
         f"at rest: the cheapest dome or saddle costs at least {STRONG:g} times the softest "
         "cylinder of the same curvature (two crossed cylinders of that kind would cost 2)",
         tuple(evidence),
+        why="At rest the paper's penalty resists nothing either: it is of fourth order in the "
+        "curvature. So is the stretching that a dome or a saddle asks of a whole sheet, and the "
+        "stiffness of a cell does not hold it.",
     )
 
 

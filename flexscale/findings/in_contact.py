@@ -76,6 +76,9 @@ def only_concave_scales_stiffen_opening(patterns: Sequence[PatternData]) -> Find
         f"opening: a pattern whose slope grows by contact to {SIGNIFICANT:g} times in any "
         "direction has non-convex scales",
         tuple(evidence),
+        why="The four pentagons of a cell do not tilt alike: while the sheet opens, neighbors come "
+        "together across some of their edges and open the more across the others. Convex scales "
+        "can meet that way.",
     )
 
 

@@ -50,6 +50,8 @@ def findings_text(findings: Sequence[Finding], *, evidence: bool = True) -> str:
         lines.append(f"{item.verdict.upper()}  {item.key} ({item.count} patterns)")
         lines += _wrapped(f"paper: {item.paper_says}")
         lines += _wrapped(f"asked, {kind}: {item.criterion}")
+        if why := item.to_dict()["why"]:
+            lines += _wrapped(f"why: {why}")
         if evidence:
             lines += [
                 f"    {'yes' if fact.holds else 'no':<4}{fact.pattern:<12}{fact.numbers}"

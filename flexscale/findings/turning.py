@@ -76,6 +76,8 @@ def lobes_depend_on_curvature(patterns: Sequence[PatternData]) -> Finding:
         "three- and six-fold patterns, closing: lobes differ between curvatures in contact, as far "
         "as the sweep's steps of direction show them",
         tuple(evidence),
+        why="Lobes on a mirror axis, as those of hexagons, can split but not move, and shifts by "
+        "less than the sweep's steps of direction are not seen.",
     )
 
 
@@ -157,6 +159,9 @@ def quasi_isotropic_turns_tetragonal(patterns: Sequence[PatternData]) -> Finding
         f"and in contact cos 4θ exceeds {100 * LEAST_LOBE:g} % and twice any other harmonic",
         tuple(evidence),
         of_all=False,
+        why="The paper does not give the tile of Fig. 8g. Patterns here that are nearly isotropic "
+        "at rest have three- or six-fold symmetry: moments repeat after 60°, which rules cos 4θ "
+        "out.",
     )
 
 

@@ -23,7 +23,8 @@ class Finding:
 
     key : short name; paper_says : the statement; criterion : what counts as showing it;
     evidence : by pattern; of_all : True when the paper says it of every pattern of its kind,
-    False when it says that there is one.
+    False when it says that there is one; why : how patterns can fall short of it, for verdicts
+    other than AGREES.
     """
 
     key: str
@@ -31,6 +32,7 @@ class Finding:
     criterion: str
     evidence: tuple[Evidence, ...]
     of_all: bool = True
+    why: str = ""
 
     @property
     def verdict(self) -> str:
@@ -57,5 +59,7 @@ class Finding:
             "criterion": self.criterion,
             "of_all": self.of_all,
             "verdict": self.verdict,
+            "count": self.count,
+            "why": self.why if self.verdict in (DISAGREES, NOT_SEEN) else "",
             "evidence": [dict(vars(item)) for item in self.evidence],
         }

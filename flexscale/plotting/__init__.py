@@ -10,6 +10,7 @@ from flexscale.plotting.scaled_sheet import scaled_sheet
 from flexscale.plotting.scene import cell
 from flexscale.plotting.sheets import sheet
 from flexscale.plotting.style import flexscale_style
+from flexscale.plotting.turned_sheets import turned_sheet
 
 __all__ = [
     "cell",
@@ -23,4 +24,5 @@ __all__ = [
     "scaled_sheet",
     "sheet",
     "stiffness",
+    "turned_sheet",
 ]

@@ -1,10 +1,11 @@
-"""One static page that shows all drawn figures with captions and dataset ids."""
+"""One static page: all drawn figures with captions and dataset ids, and findings with verdicts."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from flexscale.plotting.figures import FigureReport
 from flexscale.plotting.saving import write_text
@@ -18,6 +19,9 @@ img {{ max-width: 100% }} code {{ font-size: 90% }} .missing {{ color: #b2182b }
 nav {{ display: flex; flex-wrap: wrap; gap: 1em }} nav a {{ width: 9em; text-align: center }}
 nav img {{ height: 6em; max-width: 9em; object-fit: contain; display: block; margin: auto }}
 .sides {{ display: grid; grid-template-columns: 1fr 1fr; gap: 1.5em }}
+table {{ border-collapse: collapse }} .agrees {{ color: #1b7837 }} summary {{ cursor: pointer }}
+td, th {{ border-top: 1px solid #ccc; padding: .4em .8em .4em 0 }}
+td, th {{ text-align: left; vertical-align: top }}
 </style></head><body>
 <h1>FlexScale figures</h1>
 <p>Drawn from stored datasets; every figure names the ones it shows.</p>
@@ -25,6 +29,7 @@ nav img {{ height: 6em; max-width: 9em; object-fit: contain; display: block; mar
 {thumbnails}
 </nav>
 {figures}
+{findings}
 <h2 id="not-reproduced">Not reproduced</h2>
 <p>What the paper photographed or measured on prints; its measurements are not public.</p>
 <ul>
@@ -37,28 +42,58 @@ NOT_REPRODUCED = (
     "Fig. 1a: photographs of printed sheets bent to both sides; the simulated cells stand in.",
     "Fig. 5: photographs of prints, grooves and infill (see flexscale fabricate).",
     "Fig. 6: photographs of the mandrel, and the force measured on a solid disc.",
-    "Fig. 9: forces measured on printed discs.",
-    "Figs. 10a, 10b, 11a, 11b: the linear stage, and forces measured on it.",
+    "Fig. 9: forces measured on printed discs; the simulated ones stand in.",
+    "Figs. 10a, 10b, 11a, 11b: photographs of the linear stage, and forces measured on it.",
 )
 
 
-def write_index(reports: Sequence[FigureReport], out: Path) -> Path:
+_FINDINGS = """<h2 id="findings">Findings</h2>
+<p>What the paper says in its Sec. 4.2, held against the datasets of all named patterns.</p>
+<table>
+<tr><th>verdict</th><th>the paper says</th><th>asked, and what the patterns show</th></tr>
+{rows}
+</table>"""
+
+
+def write_index(
+    reports: Sequence[FigureReport], out: Path, findings: Sequence[Mapping[str, Any]] = ()
+) -> Path:
     """Write `index.html` beside the figures.
 
     Parameters
     ----------
     reports : one per figure, in the order shown; a missing one is listed with its message.
     out : folder that holds the figures.
+    findings : as `flexscale.findings.Finding.to_dict` gives them; without any there is no table.
     """
     out.mkdir(parents=True, exist_ok=True)
     path = out / "index.html"
     text = _PAGE.format(
         thumbnails="\n".join(_thumbnail(report) for report in reports),
         figures="\n".join(_entry(report) for report in reports),
+        findings=_FINDINGS.format(rows="\n".join(map(_row, findings))) if findings else "",
         absent="\n".join(f"<li>{escape(item)}</li>" for item in NOT_REPRODUCED),
     )
     write_text(path, text)
     return path
+
+
+def _row(finding: Mapping[str, Any]) -> str:
+    verdict = escape(finding["verdict"])
+    look = "agrees" if verdict == "agrees" else "missing"
+    kind = "of all" if finding["of_all"] else "of at least one"
+    why = f"<p><b>Why:</b> {escape(finding['why'])}</p>" if finding["why"] else ""
+    shown = "".join(
+        f"<li>{'yes' if fact['holds'] else 'no'} · {escape(fact['pattern'])}: "
+        f"{escape(fact['numbers'])}</li>"
+        for fact in finding["evidence"]
+    )
+    return (
+        f'<tr><td class="{look}"><b>{verdict}</b></td><td>{escape(finding["paper_says"])}{why}</td>'
+        f"<td>{kind}: {escape(finding['criterion'])}"
+        f"<details><summary>{escape(finding['count'])} patterns</summary><ul>{shown}</ul></details>"
+        "</td></tr>"
+    )
 
 
 def _thumbnail(report: FigureReport) -> str:

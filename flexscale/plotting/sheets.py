@@ -25,7 +25,7 @@ def sheet(bent: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
 
     Parameters
     ----------
-    bent : dataset of kind sheet.
+    bent : dataset of kind sheet, or native_sheet.
     sides : "closing", "opening" or both; None takes all the dataset has.
 
     Raises
@@ -36,13 +36,16 @@ def sheet(bent: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
     needed = ["energy", "status", "curvature", "side", "length", "width", "direction"]
     require_variables(bent, needed, "A figure of a bent sheet")
     shown = pick_sides(bent, sides)
+    native = "n_scales" in bent
     with flexscale_style():
         figure = new_figure(COLUMN_WIDTH, COLUMN_WIDTH * 0.8)
         axes = figure.add_subplot()
-        notes = draw_side_curves(axes, bent["energy"], bent["status"], "curvature", shown)
+        model, color = ("native", NATIVE_COLOR) if native else ("macro", MACRO_COLOR)
+        energy, status = bent["energy"], bent["status"]
+        notes = draw_side_curves(axes, energy, status, "curvature", shown, color)
         sizes = f"{float(bent['length']):g} mm × {float(bent['width']):g} mm"
         about = f"{sizes}, along {float(bent['direction']):g}°"
-        axes.set_title(f"{subject(bent)}, macro model\n{about}".lstrip(", "))
+        axes.set_title(f"{subject(bent)}, {model} model\n{about}".lstrip(", "))
         axes.legend()
         add_note(figure, notes)
     return figure

@@ -1,4 +1,4 @@
-"""Curves of the macro model over an axis, one a side, with crosses where nothing converged."""
+"""Curves of a model over an axis, one a side, with crosses where nothing converged."""
 
 from __future__ import annotations
 
@@ -16,7 +16,12 @@ SIDE_MARKERS = {"closing": "o", "opening": "s"}
 
 
 def draw_side_curves(
-    axes: Axes, values: xr.DataArray, status: xr.DataArray, axis: str, sides: Sequence[str]
+    axes: Axes,
+    values: xr.DataArray,
+    status: xr.DataArray,
+    axis: str,
+    sides: Sequence[str],
+    color: str = MACRO_COLOR,
 ) -> list[str]:
     """Draw values (side, axis) from 0 on, each side in its own line style.
 
@@ -32,10 +37,10 @@ def draw_side_curves(
         axes.plot(
             places,
             np.where(failed, np.nan, line),
-            color=MACRO_COLOR,
+            color=color,
             linestyle=SIDE_LINESTYLES[side],
             marker=SIDE_MARKERS[side],
-            markerfacecolor="white" if side == "opening" else MACRO_COLOR,
+            markerfacecolor="white" if side == "opening" else color,
             markersize=3.0,
             label=side,
         )

@@ -9,7 +9,7 @@ import inspect
 import itertools
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import UnknownNameError, suggest
@@ -64,11 +64,23 @@ def increasing(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
-def once_each(sides: tuple[str, ...]) -> tuple[str, ...]:
-    """Validator of sides: these, if none is named twice."""
+def _within_half_turn(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Validator of bending directions (degree): increasing, and none twice the same."""
+    if values and (values[0] < 0.0 or values[-1] >= 180.0):
+        raise PydanticCustomError(
+            "range", "directions lie in [0, 180) degree: bending has period 180", {}
+        )
+    return increasing(values)
+
+
+def _once_each(sides: tuple[str, ...]) -> tuple[str, ...]:
     if len(set(sides)) != len(sides):
         raise PydanticCustomError("twice", "a side is named twice", {})
     return sides
+
+
+Sides = Annotated[tuple[Side, ...], AfterValidator(_once_each)]
+BendingDirections = Annotated[Directions, AfterValidator(_within_half_turn)]
 
 
 def _default(owner: type, name: str) -> Any:

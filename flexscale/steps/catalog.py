@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 from flexscale.datasets.identity import Recipe
+from flexscale.homogenize.symmetry import find_sources
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
@@ -45,6 +46,11 @@ class Parameters(BaseModel):
     def build_mesh_options(self) -> MeshOptions:
         """The mesh options the parameters describe."""
         return MeshOptions(**self.mesh)
+
+    @property
+    def n_samples(self) -> int:
+        """Number of equilibria to solve; 0 for what has no samples."""
+        return 0
 
     def identity(self) -> dict[str, Any]:
         """What the recipe holds of the parameters."""
@@ -89,6 +95,13 @@ class SweepParameters(NativeParameters):
     contact: dict[str, Any]
     solver: dict[str, Any]
 
+    @property
+    def n_samples(self) -> int:
+        """Those of directions that symmetry does not fill."""
+        sources = find_sources(self.build_pattern(), self.directions, self.symmetry)
+        solved = {source.direction for source in sources}
+        return len(self.sides) * len(solved) * len(self.curvatures)
+
 
 class ShapeSample(BaseModel):
     """One deformed state: side, direction in degree, curvature in mm-1."""
@@ -106,6 +119,11 @@ class ShapeParameters(NativeParameters):
     samples: tuple[ShapeSample, ...]
     contact: dict[str, Any]
     solver: dict[str, Any]
+
+    @property
+    def n_samples(self) -> int:
+        """One for each state."""
+        return len(self.samples)
 
 
 class FitParameters(Parameters):
@@ -129,6 +147,28 @@ class SheetParameters(Parameters):
     sides: tuple[str, ...]
     size: float
 
+    @property
+    def n_samples(self) -> int:
+        """One for each side and curvature."""
+        return len(self.sides) * len(self.curvatures)
+
+
+class TurnedSheetParameters(Parameters):
+    """Also energies by name, sides, directions (degree), curvature (mm-1) and sizes (mm)."""
+
+    length: float
+    width: float
+    curvature: float
+    directions: tuple[float, ...]
+    sides: tuple[str, ...]
+    variants: tuple[Literal["tangent", "paper"], ...]
+    size: float
+
+    @property
+    def n_samples(self) -> int:
+        """One for each energy, side and direction."""
+        return len(self.variants) * len(self.sides) * len(self.directions)
+
 
 class NativeSheetParameters(NativeParameters):
     """Also sides, curvatures (mm-1), direction (degree) and sizes (mm), contact, solver options."""
@@ -140,6 +180,11 @@ class NativeSheetParameters(NativeParameters):
     sides: tuple[str, ...]
     contact: dict[str, Any]
     solver: dict[str, Any]
+
+    @property
+    def n_samples(self) -> int:
+        """One for each side and curvature."""
+        return len(self.sides) * len(self.curvatures)
 
 
 class MandrelParameters(BaseModel):
@@ -172,6 +217,13 @@ class RigParameters(Parameters):
     mandrel: MandrelParameters | None
     stage: StageParameters | None
 
+    @property
+    def n_samples(self) -> int:
+        """One for each side and angle, or shortening."""
+        angles = len(self.mandrel.angles) if self.mandrel else 0
+        shortenings = len(self.stage.shortenings) if self.stage else 0
+        return len(self.sides) * (angles + shortenings)
+
 
 @dataclass(frozen=True)
 class Step:
@@ -184,6 +236,7 @@ class Step:
     parameters : class of its parameters.
     inputs : names of the steps whose datasets it takes.
     parallel : whether it can use several processes.
+    resumable : whether it tells of every sample that it finishes, and goes on from those kept.
     """
 
     name: str
@@ -191,6 +244,7 @@ class Step:
     parameters: type[Parameters]
     inputs: tuple[str, ...] = ()
     parallel: bool = False
+    resumable: bool = False
 
     def recipe(self, parameters: Parameters) -> Recipe:
         """Identity of this step with these parameters, apart from its inputs."""
@@ -212,11 +266,12 @@ STEPS: dict[str, Step] = {
     for step in (
         Step("cell", 1, CellParameters),
         Step("tangent", 4, TangentParameters, inputs=("cell",)),
-        Step("sweep", 3, SweepParameters, inputs=("cell",), parallel=True),
+        Step("sweep", 3, SweepParameters, inputs=("cell",), parallel=True, resumable=True),
         Step("shape", 3, ShapeParameters, inputs=("cell",)),
         Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
         Step("sheet", 1, SheetParameters, inputs=("fit",)),
-        Step("native_sheet", 1, NativeSheetParameters),
+        Step("turned_sheet", 1, TurnedSheetParameters, inputs=("sweep", "tangent")),
+        Step("native_sheet", 1, NativeSheetParameters, resumable=True),
         Step("rig", 1, RigParameters, inputs=("fit",)),
     )
 }

@@ -21,6 +21,7 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import (
+    BendingDirections,
     Block,
     Curvature,
     Curvatures,
@@ -29,15 +30,30 @@ from flexscale.steps.blocks import (
     DoubleBending,
     PatternBlock,
     Side,
+    Sides,
     increasing,
-    once_each,
 )
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
 from flexscale.steps.quantities import declared
-from flexscale.steps.sheet_blocks import NativeSheetBlock, RigsBlock, SheetBlock
+from flexscale.steps.sheet_blocks import (
+    NativeSheetBlock,
+    RigsBlock,
+    SheetBlock,
+    TurnedSheetBlock,
+)
 
 FigureName = Literal[
-    "polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar", "sheet", "rig"
+    "polar",
+    "curves",
+    "tangent",
+    "cell",
+    "fit",
+    "fitted_curves",
+    "macro_polar",
+    "sheet",
+    "turned_sheet",
+    "native_sheet",
+    "rig",
 ]
 #: Blocks a figure needs.
 _FIGURE_BLOCKS = {
@@ -49,6 +65,8 @@ _FIGURE_BLOCKS = {
     "fitted_curves": "fit",
     "macro_polar": "fit",
     "sheet": "sheet",
+    "turned_sheet": "turned_sheet",
+    "native_sheet": "native_sheet",
     "rig": "rigs",
 }
 
@@ -56,23 +74,14 @@ _FIGURE_BLOCKS = {
 class SweepBlock(Block):
     """Bending in many directions to many curvatures."""
 
-    sides: tuple[Side, ...] = declared(
+    sides: Sides = declared(
         ("closing", "opening"), "sides to bend to: closing, opening", min_length=1
     )
-    directions: Directions = declared(
+    directions: BendingDirections = declared(
         ..., "bending directions, increasing, from 0 to below 180", min_length=1
     )
     curvatures: Curvatures = declared(..., "curvatures, increasing from 0", min_length=1)
     symmetry: bool = declared(True, "solve equivalent directions once; false solves all")
-
-    @field_validator("directions")
-    @classmethod
-    def _directions_in_range(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        if values[0] < 0.0 or values[-1] >= 180.0:
-            raise PydanticCustomError(
-                "range", "directions lie in [0, 180) degree: bending has period 180", {}
-            )
-        return increasing(values)
 
     @field_validator("curvatures")
     @classmethod
@@ -82,11 +91,6 @@ class SweepBlock(Block):
                 "range", "the first curvature must be 0: every sweep starts from the flat sheet", {}
             )
         return increasing(values)
-
-    @field_validator("sides")
-    @classmethod
-    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
-        return once_each(values)
 
 
 class TangentBlock(Block):
@@ -138,6 +142,9 @@ class Experiment(Block):
     fit: FitBlock | None = declared(None, "two-regime law of the sweep; {} for defaults")
     shapes: tuple[ShapeBlock, ...] = declared((), "deformed cells")
     sheet: SheetBlock | None = declared(None, "the fit between end strips; {} for defaults")
+    turned_sheet: TurnedSheetBlock | None = declared(
+        None, "sheets between end strips, with the pattern turned on them; {} for defaults"
+    )
     native_sheet: NativeSheetBlock | None = declared(
         None, "the scales themselves between end strips; {} for defaults, which take hours"
     )
@@ -178,6 +185,16 @@ class Experiment(Block):
             if self.sweep is None:
                 raise PydanticCustomError(
                     "fit", "`fit` needs the block `sweep`, which is missing", {}
+                )
+            require_axes(np.array(self.sweep.directions), np.array(self.sweep.curvatures))
+        return self
+
+    @model_validator(mode="after")
+    def _turned_sheets_have_a_sweep_to_fit(self) -> Self:
+        if self.turned_sheet is not None:
+            if self.sweep is None:
+                raise PydanticCustomError(
+                    "fit", "`turned_sheet` needs the block `sweep`, which is missing", {}
                 )
             require_axes(np.array(self.sweep.directions), np.array(self.sweep.curvatures))
         return self

@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.identity import Recipe
+from flexscale.errors import BadInputError
 
 if TYPE_CHECKING:
+    from flexscale.datasets.registry import Registry
     from flexscale.datasets.store import Entry, Store
 
 #: Name of the jobs that draw; they make pictures, no datasets.
@@ -73,12 +75,43 @@ FIGURES = {
         lambda plot, sheet: plot.sheet(sheet),
         "Energy of a sheet between end strips against their curvature.",
     ),
+    "turned_sheet": FigureRecipe(
+        ("turned_sheet", "sweep"),
+        lambda plot, turned, sweep: plot.turned_sheet(turned, sweep),
+        "Energy density of sheets against the direction of the pattern on them, and of the cell.",
+    ),
+    "native_sheet": FigureRecipe(
+        ("native_sheet",),
+        lambda plot, sheet: plot.sheet(sheet),
+        "Energy of a sheet of scales between end strips against their curvature.",
+    ),
     "rig": FigureRecipe(
         ("rig",),
         lambda plot, rig: plot.rig(rig),
         "Force on the testing devices: around the mandrel, and against the stage's shortening.",
     ),
 }
+
+
+def draw_dataset(entry: Entry, registry: Registry) -> Any:
+    """Matplotlib figure of a dataset: the first of its kind; what else it shows are its inputs.
+
+    Raises
+    ------
+    BadInputError : there is no figure of this kind.
+    MissingDataError : an input is needed and not among the results.
+    """
+    from flexscale import plotting
+
+    recipes = {recipe.needs[0]: recipe for recipe in reversed(FIGURES.values())}
+    if entry.kind not in recipes:
+        raise BadInputError(
+            f"There is no figure of a {entry.kind}; there are some of {', '.join(sorted(recipes))}."
+        )
+    inputs = {item["id"].split(":")[0]: item["id"] for item in registry.record(entry)["inputs"]}
+    recipe = recipes[entry.kind]
+    others = [registry.load(inputs[kind]) for kind in recipe.needs[1:]]
+    return recipe.draw(plotting, registry.load(entry), *others)
 
 
 def figure_recipe(name: str) -> Recipe:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe
-from flexscale.homogenize.symmetry import find_sources
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import Experiment, TangentBlock
@@ -30,7 +29,7 @@ class Job:
     pattern, family : of the scale pattern.
     recipe : its identity apart from its inputs.
     inputs : ids of the jobs whose results it takes.
-    size : number of samples it computes; 1 for what has no samples.
+    n_samples : number of equilibria it solves; 0 for what has no samples.
     """
 
     id: str
@@ -40,13 +39,13 @@ class Job:
     family: str
     recipe: Recipe
     inputs: tuple[str, ...]
-    size: int = 1
+    n_samples: int = 0
 
     @property
     def label(self) -> str:
-        """For people: "sweep    IH20/hexagon"."""
+        """For people: "sweep        IH20/hexagon"."""
         figure = f" {self.title}" if self.step == FIGURE else ""
-        return f"{self.step:<8} {self.family}/{self.pattern}{figure}"
+        return f"{self.step:<12} {self.family}/{self.pattern}{figure}"
 
 
 @dataclass(frozen=True)
@@ -101,13 +100,13 @@ def build_plan(experiment: Experiment) -> Plan:
 def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) -> list[Job]:
     """Jobs of one pattern: the steps the experiment has blocks for, then its figures."""
     made: dict[str, Job] = {}
-    for name, (extra, size) in _wanted_steps(experiment, pattern).items():
+    for name, extra in _wanted_steps(experiment).items():
         step = STEPS[name]
         parameters = step.parameters.model_validate(
             {"pattern": pattern.to_config(), "mesh": mesh, **extra}
         )
-        sources = [made[needed] for needed in step.inputs]
-        made[name] = _job(name, name, pattern, step.recipe(parameters), sources, size)
+        recipe, sources = step.recipe(parameters), [made[needed] for needed in step.inputs]
+        made[name] = _job(name, name, pattern, recipe, sources, parameters.n_samples)
     figures = [
         _job(FIGURE, name, pattern, figure_recipe(name), [made[n] for n in FIGURES[name].needs])
         for name in experiment.figures
@@ -115,10 +114,8 @@ def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) 
     return [*made.values(), *figures]
 
 
-def _wanted_steps(
-    experiment: Experiment, pattern: Pattern
-) -> dict[str, tuple[dict[str, object], int]]:
-    """Step name -> parameters besides pattern and mesh, and the number of samples."""
+def _wanted_steps(experiment: Experiment) -> dict[str, dict[str, object]]:
+    """Step name -> parameters besides pattern and mesh."""
     native: dict[str, object] = {
         "substrate": experiment.substrate.to_config(),
         "scales": experiment.scales.to_config(),
@@ -127,40 +124,33 @@ def _wanted_steps(
         "contact": experiment.contact.to_config(),
         "solver": experiment.solver.to_config(),
     }
-    wanted: dict[str, tuple[dict[str, object], int]] = {"cell": ({}, 1)}
-    if experiment.tangent is not None or experiment.fit is not None:
+    wanted: dict[str, dict[str, object]] = {"cell": {}}
+    if experiment.tangent or experiment.fit or experiment.turned_sheet:
         block = experiment.tangent or TangentBlock()
-        wanted["tangent"] = (block.model_dump() | native, 1)
+        wanted["tangent"] = block.model_dump() | native
     if experiment.sweep is not None:
-        bends = experiment.sweep
-        sources = find_sources(pattern, bends.directions, bends.symmetry)
-        solved = len({source.direction for source in sources})
-        size = len(bends.sides) * solved * len(bends.curvatures)
-        wanted["sweep"] = (bends.model_dump() | options, size)
+        wanted["sweep"] = experiment.sweep.model_dump() | options
     if experiment.fit is not None:
-        wanted["fit"] = (experiment.fit.model_dump(), 1)
+        wanted["fit"] = experiment.fit.model_dump()
     if experiment.sheet is not None:
-        sheet = experiment.sheet
-        wanted["sheet"] = (sheet.model_dump(), len(sheet.sides) * len(sheet.curvatures))
+        wanted["sheet"] = experiment.sheet.model_dump()
+    if experiment.turned_sheet is not None:
+        wanted["turned_sheet"] = experiment.turned_sheet.model_dump()
     if experiment.native_sheet is not None:
-        bent = experiment.native_sheet
-        wanted["native_sheet"] = (
-            bent.model_dump() | options,
-            len(bent.sides) * len(bent.curvatures),
-        )
+        wanted["native_sheet"] = experiment.native_sheet.model_dump() | options
     if experiment.rigs is not None:
-        wanted["rig"] = (experiment.rigs.model_dump(), experiment.rigs.n_samples)
+        wanted["rig"] = experiment.rigs.model_dump()
     if experiment.shapes:
         samples: object = [shape.model_dump() for shape in experiment.shapes]
-        wanted["shape"] = ({"samples": samples} | options, len(experiment.shapes))
+        wanted["shape"] = {"samples": samples} | options
     return wanted
 
 
 def _job(
-    step: str, title: str, pattern: Pattern, recipe: Recipe, sources: list[Job], size: int = 1
+    step: str, title: str, pattern: Pattern, recipe: Recipe, sources: list[Job], n_samples: int = 0
 ) -> Job:
     # Ids of inputs stand in for their content digests, which are known only once they exist.
     inputs = tuple(source.id for source in sources)
     prefix = title if step == title else f"{step}-{title}"
     job_id = f"{prefix}-{pattern.name}-{recipe.digest(inputs)[:SHORT_DIGEST]}"
-    return Job(job_id, step, title, pattern.name, pattern.family, recipe, inputs, size)
+    return Job(job_id, step, title, pattern.name, pattern.family, recipe, inputs, n_samples)

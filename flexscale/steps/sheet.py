@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Variable of the dataset -> attribute of a bent sheet.
-_ARRAYS = {
+ARRAYS = {
     "energy": "energy",
     "energy_density": "energy_density",
     "moment": "moment",
@@ -50,7 +50,7 @@ def compute(
     ]
     arrays = {
         name: np.array([[getattr(sheet, attribute) for sheet in row] for row in bent])
-        for name, attribute in _ARRAYS.items()
+        for name, attribute in ARRAYS.items()
     }
     # Bent sheets have it along the signed curvature; sides have their own, positive moments.
     arrays["moment"] *= np.array([[side_sign(side)] for side in parameters.sides])

@@ -14,25 +14,28 @@ from typing import Self
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from flexscale.datasets.variables import VARIANTS
 from flexscale.errors import BadInputError
 from flexscale.macro.mandrel import ANGLES
+from flexscale.macro.polar import Variant
 from flexscale.macro.rigs import RigOptions
 from flexscale.macro.rim import Rim
 from flexscale.macro.stage import SHORTENINGS, require_shortenings
 from flexscale.steps.blocks import (
+    BendingDirections,
     Block,
+    Curvature,
     Curvatures,
     Direction,
     Directions,
     Length,
     Lengths,
-    Side,
+    Sides,
     increasing,
-    once_each,
 )
 from flexscale.steps.quantities import declared
 
-BOTH: tuple[Side, ...] = ("closing", "opening")
+BOTH = ("closing", "opening")
 
 
 @contextmanager
@@ -44,6 +47,21 @@ def _named(place: str) -> Iterator[None]:
         raise type(error)(f"{place}: {error}") from error
 
 
+def _require_open(curvature: float, length: float) -> None:
+    """Refuse a sheet of `length` (mm) that closes to a ring."""
+    limit = 2.0 * math.pi / length
+    if curvature >= limit:
+        raise PydanticCustomError(
+            "range",
+            "at {kappa} mm-1 a sheet of {length} mm runs into its own end: stay below {limit}",
+            {
+                "kappa": f"{curvature:g}",
+                "length": f"{length:g}",
+                "limit": f"{limit:.4g} mm-1",
+            },
+        )
+
+
 class NativeSheetBlock(Block):
     """A rectangular sheet of scales bent between end strips."""
 
@@ -53,12 +71,7 @@ class NativeSheetBlock(Block):
         (0.0, 0.005, 0.01, 0.015, 0.02, 0.025), "curvatures, increasing", min_length=1
     )
     direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
-    sides: tuple[Side, ...] = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
-
-    @field_validator("sides")
-    @classmethod
-    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
-        return once_each(values)
+    sides: Sides = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
 
     @field_validator("curvatures")
     @classmethod
@@ -71,17 +84,7 @@ class NativeSheetBlock(Block):
 
     @model_validator(mode="after")
     def _does_not_meet_itself(self) -> Self:
-        limit = 2.0 * math.pi / self.length
-        if self.curvatures[-1] >= limit:
-            raise PydanticCustomError(
-                "range",
-                "at {kappa} mm-1 a sheet of {length} mm runs into its own end: stay below {limit}",
-                {
-                    "kappa": f"{self.curvatures[-1]:g}",
-                    "length": f"{self.length:g}",
-                    "limit": f"{limit:.4g} mm-1",
-                },
-            )
+        _require_open(self.curvatures[-1], self.length)
         return self
 
 
@@ -89,6 +92,39 @@ class SheetBlock(NativeSheetBlock):
     """A rectangular sheet of the fit bent between end strips."""
 
     size: Length = declared(5.0, "sides of the triangles", gt=0.0)
+
+
+class TurnedSheetBlock(Block):
+    """Rectangular sheets between end strips, each with the pattern turned another way on it.
+
+    Models are fitted to the sweep, one for each energy of a curvature tensor.
+    """
+
+    length: Length = declared(100.0, "length, along which they are bent", gt=0.0)
+    width: Length = declared(50.0, "width", gt=0.0)
+    curvature: Curvature = declared(0.02, "curvature of the end strips", gt=0.0)
+    directions: BendingDirections = declared(
+        tuple(15.0 * index for index in range(12)),
+        "of their length in the pattern's coordinates, increasing, from 0 to below 180",
+        min_length=1,
+    )
+    sides: Sides = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
+    variants: tuple[Variant, ...] = declared(
+        VARIANTS, "energies of a curvature tensor: tangent, paper", min_length=1
+    )
+    size: Length = declared(5.0, "sides of the triangles", gt=0.0)
+
+    @field_validator("variants")
+    @classmethod
+    def _variants_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(values)) != len(values):
+            raise PydanticCustomError("twice", "an energy is named twice", {})
+        return values
+
+    @model_validator(mode="after")
+    def _does_not_meet_itself(self) -> Self:
+        _require_open(self.curvature, self.length)
+        return self
 
 
 class MandrelBlock(Block):
@@ -129,15 +165,10 @@ class StageBlock(Block):
 class RigsBlock(Block):
     """The testing devices, one or both."""
 
-    sides: tuple[Side, ...] = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
+    sides: Sides = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
     size: Length = declared(RigOptions.size, "sides of the triangles", gt=0.0)
     mandrel: MandrelBlock | None = declared(None, "disc on the mandrel; {} for defaults")
     stage: StageBlock | None = declared(None, "strip on the stage; {} for defaults")
-
-    @field_validator("sides")
-    @classmethod
-    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
-        return once_each(values)
 
     @model_validator(mode="after")
     def _some_device_that_can_work(self) -> Self:
@@ -150,10 +181,3 @@ class RigsBlock(Block):
                 for angle in self.mandrel.angles:
                     rim.place(angle)
         return self
-
-    @property
-    def n_samples(self) -> int:
-        """Number of forces to find."""
-        angles = len(self.mandrel.angles) if self.mandrel else 0
-        shortenings = len(self.stage.shortenings) if self.stage else 0
-        return len(self.sides) * (angles + shortenings)

@@ -60,7 +60,7 @@ def _compute(
     datasets = {entry.kind: store.load(entry) for entry in inputs}
     resources = Resources(
         workers=workers if step.parallel else 1,
-        checkpoint=store.checkpoint(job.recipe, inputs) if step.parallel else None,
+        checkpoint=store.checkpoint(job.recipe, inputs) if step.resumable else None,
         on_sample=lambda event: events.write("sample", job.id, **_facts(event)),
     )
     dataset = step.compute(parameters, datasets, resources)

@@ -169,7 +169,7 @@ def test_a_stopped_run_goes_on_to_the_same_bits(
 
     code, out, err = run(file, tmp_path)
     assert code == 0, err
-    assert "cell     IH76/square         reused" in out
+    assert "cell         IH76/square         reused" in out
     assert digests(tmp_path) == digests(finished)
 
 

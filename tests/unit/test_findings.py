@@ -205,6 +205,8 @@ def test_the_shipped_datasets_give_every_verdict_and_print(
     told = json.loads(capsys.readouterr().out)
     assert len(told) == len(FINDINGS)
     assert {"no data"}.isdisjoint(finding["verdict"] for finding in told)
+    # Whatever does not agree says why.
+    assert all(bool(item["why"]) == (item["verdict"] != "agrees") for item in told)
     opening = next(item for item in told if item["key"] == "only non-convex opening")
     odd = [fact["pattern"] for fact in opening["evidence"] if not fact["holds"]]
     # The paper's claim has one exception here; this test is to be looked at when data change.

@@ -45,7 +45,7 @@ def test_every_pattern_gets_every_job_after_its_inputs() -> None:
 
 
 def test_sweep_counts_its_samples() -> None:
-    assert [job.size for job in plan_of(CONTENT) if job.step == "sweep"] == [12, 12]
+    assert [job.n_samples for job in plan_of(CONTENT) if job.step == "sweep"] == [12, 12]
 
 
 def test_the_same_experiment_has_the_same_jobs() -> None:

@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 
 from flexscale.errors import BadInputError, UnknownNameError
+from flexscale.findings import Evidence, Finding
 from flexscale.plotting import polar, save_figure
 from flexscale.plotting.figure_scripts import find_scripts
 from flexscale.plotting.figures import draw_figure
@@ -208,6 +209,18 @@ def test_index_lists_drawn_and_missing_figures(script_folder: Path, tmp_path: Pa
     assert f"<li>{reports[0].we_find[0]}</li>" in page
     assert '<a href="#fig99_test"><img src="fig99_test.png"' in page, "a thumbnail"
     assert "Fig. 9: forces measured" in page
+
+
+def test_index_shows_findings_with_the_reason_of_those_that_disagree(tmp_path: Path) -> None:
+    shows = Finding("a", "It is <soft>.", "x < 2", (Evidence("mine", True, "1 < 2"),), why="Odd.")
+    lacks = Finding("b", "It is stiff.", "x > 2", (Evidence("mine", False, "1"),), why="Too soft.")
+    page = write_index([], tmp_path, [shows.to_dict(), lacks.to_dict()]).read_text()
+    assert '<td class="agrees"><b>agrees</b></td><td>It is &lt;soft&gt;.</td>' in page
+    assert '<td class="missing"><b>disagrees</b></td><td>It is stiff.<p><b>Why:</b> Too' in page
+    assert "Odd." not in page, "reasons belong to what disagrees"
+    assert "yes · mine: 1 &lt; 2" in page
+    assert "0 of 1 patterns" in page
+    assert 'id="findings"' not in write_index([], tmp_path).read_text()
 
 
 def test_figure_7_draws_all_patterns_with_failures_visible(tmp_path: Path) -> None:

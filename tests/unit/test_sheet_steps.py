@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,15 @@ import xarray as xr
 import flexscale as fs
 from flexscale.datasets.build_sheets import build_sheet_dataset
 from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.store import Store
-from flexscale.errors import BadInputError, SchemaError, UnknownNameError
+from flexscale.errors import BadInputError, MissingDataError, SchemaError, UnknownNameError
+from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from flexscale.status import SolveStatus
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import load_experiment, parse_experiment
+from flexscale.steps.figures import FIGURES, draw_dataset
 from flexscale.steps.plan import Plan, build_plan
 from flexscale.steps.summary import failed_samples
 from tests.unit.fit_samples import law_sweep, tangent
@@ -67,7 +71,7 @@ def test_sheets_and_rigs_come_from_the_fit() -> None:
     jobs = {job.title: job for job in plan if job.step in ("sheet", "rig")}
     for name, size in (("sheet", 2 * 3), ("rig", 2 * (6 + 2))):
         assert [plan[needed].step for needed in jobs[name].inputs] == ["fit"]
-        assert jobs[name].size == size
+        assert jobs[name].n_samples == size
     assert [job.title for job in plan if job.step == "figure"] == ["sheet", "rig"]
 
 
@@ -218,6 +222,37 @@ def test_the_figure_of_a_sheet_shows_its_energy(made) -> None:
     assert axes.get_xlabel() == "curvature of the end strips [mm⁻¹]"
     assert axes.get_ylabel() == "elastic energy of the sheet [N mm]"
     assert "60 mm × 30 mm, along 0°" in axes.get_title()
+
+
+def test_the_figure_of_a_native_sheet_says_so(made) -> None:
+    native = made["sheet"].assign(n_scales=np.int32(50))
+    (axes,) = fs.plot.sheet(native).axes
+    assert "native model" in axes.get_title()
+    assert {line.get_color() for line in axes.lines} == {NATIVE_COLOR}
+    (axes,) = fs.plot.sheet(made["sheet"]).axes
+    assert "macro model" in axes.get_title()
+    assert {line.get_color() for line in axes.lines} == {MACRO_COLOR}
+
+
+def test_any_stored_dataset_is_drawn_with_its_inputs(made, model, tmp_path: Path) -> None:
+    jobs = {job.step: job for job in plan_of(CONTENT)}
+    store = Store(tmp_path)
+    rig = store.publish(made["rig"], "rig", jobs["rig"].recipe)
+    registry = fs.open_registry(tmp_path)
+    assert len(draw_dataset(rig, registry).axes) == 2
+    sweep = store.publish(law_sweep(), "sweep", jobs["sweep"].recipe)
+    fit = store.publish(model.to_dataset(), "fit", jobs["fit"].recipe, [sweep])
+    with pytest.raises(MissingDataError, match=sweep.id):
+        draw_dataset(fit, registry)  # opened before its sweep was there
+    assert draw_dataset(fit, fs.open_registry(tmp_path)).axes
+    cell = dataclasses.replace(rig, kind="cell")
+    with pytest.raises(BadInputError, match="no figure of a cell; there are some of fit, "):
+        draw_dataset(cell, registry)
+
+
+def test_every_kind_of_samples_can_be_drawn() -> None:
+    drawn = {recipe.needs[0] for recipe in FIGURES.values()}
+    assert set(SCHEMAS) - drawn == {"cell"}
 
 
 def test_figures_refuse_other_datasets(made) -> None:

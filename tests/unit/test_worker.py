@@ -1,0 +1,38 @@
+"""Jobs in a process of their own: what is lent to a step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flexscale.datasets.store import Store
+from flexscale.steps.events import EventWriter
+from flexscale.steps.experiment import parse_experiment
+from flexscale.steps.plan import build_plan
+from flexscale.steps.worker import run_job
+
+
+class Stopped(Exception):
+    """Stands for a kill."""
+
+
+def test_a_native_sheet_goes_on_from_the_samples_it_has_kept(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    content = {"patterns": {"square": {"family": "IH76"}}, "native_sheet": {}}
+    plan = build_plan(parse_experiment(content, "file.yaml"))
+    (job,) = (job for job in plan if job.step == "native_sheet")
+    seen: list[list[dict[str, Any]]] = []
+
+    def one_sample(parameters: object, inputs: object, resources: Any) -> None:
+        seen.append(resources.checkpoint.load("closing-0"))
+        resources.checkpoint.append("closing-0", {"energy": 1.0})
+        raise Stopped
+
+    monkeypatch.setattr("flexscale.steps.native_sheet.compute", one_sample)
+    for _ in range(2):
+        with pytest.raises(Stopped):
+            run_job(plan, job, Store(tmp_path), 1, EventWriter(None))
+    assert seen == [[], [{"energy": 1.0}]]

@@ -171,9 +171,7 @@ class ScaleContact:
         stencils = np.full((len(found), 4), -1, dtype=np.int64)
         shares = np.zeros((len(found), 4))
         for k in range(len(found)):
-            pair = found[k]
-            stencils[k] = pair.vertex_ids(edges, faces)
-            mix = pair.compute_coefficients(pair.dof(positions, edges, faces))
+            stencils[k], mix = _stencil(found[k], positions, edges, faces)
             shares[k, : len(mix)] = mix
         used = stencils >= 0
         entries = (shares[used], (np.nonzero(used)[0], stencils[used]))
@@ -255,6 +253,18 @@ class ScaleContact:
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the home scales' vertices, as lengths of vectors, N."""
         return float(np.linalg.norm(self.forces(y)[: self.surface.n_home], axis=1).sum())
+
+
+def _stencil(
+    pair: ipctk.NormalCollision, positions: FloatArray, edges: IntArray, faces: IntArray
+) -> tuple[IntArray, FloatArray]:
+    """Vertices (4,) of a pair of primitives, and their shares in the arrow between nearest points.
+
+    A function of its own: a pair that outlives its set of collisions is freed memory.
+    """
+    return pair.vertex_ids(edges, faces), pair.compute_coefficients(
+        pair.dof(positions, edges, faces)
+    )
 
 
 def _expand(weights: sp.csr_array, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:

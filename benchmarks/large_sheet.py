@@ -71,8 +71,9 @@ def macro_energies(model: fs.MacroModel, native: xr.Dataset) -> tuple[list[float
     return found, time.perf_counter() - start
 
 
-def against_native(registry: Registry, native: xr.Dataset) -> list[str]:
+def against_native(registry: Registry, entry) -> list[str]:
     """Macro over native energy of the same sheet."""
+    native, run = registry.load(entry), registry.record(entry)["run"]
     pattern = str(native["pattern"].values)
     sweep = registry.one(kind="sweep", pattern=pattern)
     tangent = registry.one(kind="tangent", pattern=pattern)
@@ -86,13 +87,14 @@ def against_native(registry: Registry, native: xr.Dataset) -> list[str]:
     }
     kappa = native["curvature"].values[1:]
     sizes = " x ".join(f"{float(native[name]):g}" for name in ("length", "width"))
+    shown = " | ".join(f"{energy:.5f}" for energy in energies)
     rows = [
         f"## {pattern}: native sheet of {sizes} mm", "",
         f"{int(native['n_scales'])} scales, {int(native['n_unknowns']):,} unknowns. Energy density "
         "over the native sheet's.", "",
         f"| model | {' | '.join(f'{k:g} /mm' for k in kappa)} | s |",
         "|" + "---|" * (len(kappa) + 2),
-        f"| native [N/mm] | {' | '.join(f'{e:.5f}' for e in energies)} | |",
+        f"| native [N/mm] | {shown} | {run['wall_seconds']:.0f} |",
     ]  # fmt: skip
     for name, model in models.items():
         found, seconds = macro_energies(model, native)
@@ -125,7 +127,7 @@ def main() -> None:
     registry = fs.open_registry(arguments.results)
     rows = ["# Large sheets", "", (__doc__ or "").split("\n\n")[2], ""]
     for entry in registry.find(kind="native_sheet"):
-        rows += against_native(registry, registry.load(entry))
+        rows += against_native(registry, entry)
     for entry in registry.find(kind="turned_sheet"):
         rows += turned_sheets(registry, registry.load(entry))
     report(rows, arguments.output)

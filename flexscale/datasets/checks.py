@@ -13,7 +13,7 @@ from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_para
 from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.schema import ENERGY_PARTS, SWEEP, schema_of
-from flexscale.datasets.sheet_checks import check_rig, check_sheet_samples
+from flexscale.datasets.sheet_checks import check_native_rig, check_rig, check_sheet_samples
 from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 
@@ -213,4 +213,5 @@ _CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
     "sheet": check_sheet_samples,
     "native_sheet": check_sheet_samples,
     "rig": check_rig,
+    "native_rig": check_native_rig,
 }

@@ -6,7 +6,7 @@ would notice raises the kind's version.
 
 from __future__ import annotations
 
-from flexscale.datasets.sheet_schema import NATIVE_SHEET, RIG, SHEET
+from flexscale.datasets.sheet_schema import NATIVE_RIG, NATIVE_SHEET, RIG, SHEET
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 from flexscale.errors import UnknownNameError, suggest
 
@@ -301,7 +301,8 @@ FIT = Schema(
 )
 
 SCHEMAS: dict[str, Schema] = {
-    item.kind: item for item in (CELL, SWEEP, TANGENT, SHAPE, FIT, SHEET, NATIVE_SHEET, RIG)
+    item.kind: item
+    for item in (CELL, SWEEP, TANGENT, SHAPE, FIT, SHEET, NATIVE_SHEET, RIG, NATIVE_RIG)
 }
 
 

@@ -4,9 +4,9 @@ The sheet lies in the world as it is: unknowns are those of the cell under no be
 curvilinear coordinates are the world's, and scales turn as far as they like. Scales that an end
 cuts are one strip, a body of its own with its anchor on the hinge, the line x = 0 or x = length at
 the sheet's midsurface. The hinge's line stays straight and as long as it is: of the strip's frame
-g_2 is held along it, and g_1, g_3 stay normal to it. What is left to the strip is its turn about the
-line, and the strain in its section, of which hard scales have next to none. Where the sheet itself
-reaches the end, its nodes lie on the line too, and turn freely.
+g_2 is held along it, and g_1, g_3 stay normal to it. What is left to the strip is its turn about
+the line, and the strain in its section, of which hard scales have next to none. Where the sheet
+itself reaches the end, its nodes lie on the line too, and turn freely.
 
 Both hinges keep their height, and the near one its place. The far one hangs on a machine: a spring
 of stiffness k [N/mm] to each of its points, in x. With a k that is huge it is where the machine is;

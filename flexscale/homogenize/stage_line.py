@@ -152,9 +152,7 @@ def _next_point(
     contact = stage.contact
     pairs = 0 if contact is None else contact.active_pairs(state.world.y)
     energy = float(state.parts.sum())
-    point = _Point(
-        shortening, solution.z, rate, np.zeros(0), energy, stage.force(state), pairs
-    )
+    point = _Point(shortening, solution.z, rate, np.zeros(0), energy, stage.force(state), pairs)
     if before is not None:
         span = np.sqrt(shortening) - np.sqrt(before.shortening)
         point.second_rate = (point.root_rate - before.root_rate) / span
@@ -236,9 +234,7 @@ def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptio
     return replace(solution, iterations=iterations)
 
 
-def _measure(
-    stage: NativeStage, point: _Point, solution: Solution, sign: float
-) -> dict[str, Any]:
+def _measure(stage: NativeStage, point: _Point, solution: Solution, sign: float) -> dict[str, Any]:
     """The numbers of a sample, and what the next one starts from."""
     state = solution.evaluation
     numbers: dict[str, Any] = {

@@ -142,6 +142,18 @@ class NativeSheetParameters(NativeParameters):
     solver: dict[str, Any]
 
 
+class NativeRigParameters(NativeParameters):
+    """Also sides, shortenings and sizes (mm), direction (degree), contact, solver options."""
+
+    length: float
+    width: float
+    shortenings: tuple[float, ...]
+    direction: float
+    sides: tuple[str, ...]
+    contact: dict[str, Any]
+    solver: dict[str, Any]
+
+
 class MandrelParameters(BaseModel):
     """A disc on the mandrel: mm, and angles in degree."""
 
@@ -184,6 +196,7 @@ class Step:
     parameters : class of its parameters.
     inputs : names of the steps whose datasets it takes.
     parallel : whether it can use several processes.
+    resumable : whether it keeps its samples as they finish, and goes on from there.
     """
 
     name: str
@@ -191,6 +204,7 @@ class Step:
     parameters: type[Parameters]
     inputs: tuple[str, ...] = ()
     parallel: bool = False
+    resumable: bool = False
 
     def recipe(self, parameters: Parameters) -> Recipe:
         """Identity of this step with these parameters, apart from its inputs."""
@@ -212,11 +226,12 @@ STEPS: dict[str, Step] = {
     for step in (
         Step("cell", 1, CellParameters),
         Step("tangent", 4, TangentParameters, inputs=("cell",)),
-        Step("sweep", 3, SweepParameters, inputs=("cell",), parallel=True),
+        Step("sweep", 3, SweepParameters, inputs=("cell",), parallel=True, resumable=True),
         Step("shape", 3, ShapeParameters, inputs=("cell",)),
         Step("fit", 2, FitParameters, inputs=("sweep", "tangent")),
         Step("sheet", 1, SheetParameters, inputs=("fit",)),
-        Step("native_sheet", 1, NativeSheetParameters),
+        Step("native_sheet", 1, NativeSheetParameters, resumable=True),
         Step("rig", 1, RigParameters, inputs=("fit",)),
+        Step("native_rig", 1, NativeRigParameters, resumable=True),
     )
 }

@@ -34,7 +34,7 @@ from flexscale.steps.blocks import (
 )
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
 from flexscale.steps.quantities import declared
-from flexscale.steps.sheet_blocks import NativeSheetBlock, RigsBlock, SheetBlock
+from flexscale.steps.sheet_blocks import NativeRigBlock, NativeSheetBlock, RigsBlock, SheetBlock
 
 FigureName = Literal[
     "polar", "curves", "tangent", "cell", "fit", "fitted_curves", "macro_polar", "sheet", "rig"
@@ -142,6 +142,9 @@ class Experiment(Block):
         None, "the scales themselves between end strips; {} for defaults, which take hours"
     )
     rigs: RigsBlock | None = declared(None, "the fit on the testing devices")
+    native_rig: NativeRigBlock | None = declared(
+        None, "the scales themselves on the stage; {} for defaults, which take hours"
+    )
     figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
 
     @field_validator("patterns")

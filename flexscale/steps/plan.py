@@ -150,6 +150,12 @@ def _wanted_steps(
         )
     if experiment.rigs is not None:
         wanted["rig"] = (experiment.rigs.model_dump(), experiment.rigs.n_samples)
+    if experiment.native_rig is not None:
+        strip = experiment.native_rig
+        wanted["native_rig"] = (
+            strip.model_dump() | options,
+            len(strip.sides) * len(strip.shortenings),
+        )
     if experiment.shapes:
         samples: object = [shape.model_dump() for shape in experiment.shapes]
         wanted["shape"] = ({"samples": samples} | options, len(experiment.shapes))

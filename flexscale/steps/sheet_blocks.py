@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Self
+from typing import ClassVar, Self
 
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -18,7 +18,7 @@ from flexscale.errors import BadInputError
 from flexscale.macro.mandrel import ANGLES
 from flexscale.macro.rigs import RigOptions
 from flexscale.macro.rim import Rim
-from flexscale.macro.stage import SHORTENINGS, require_shortenings
+from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.steps.blocks import (
     Block,
     Curvatures,
@@ -112,6 +112,8 @@ class MandrelBlock(Block):
 class StageBlock(Block):
     """A strip between two hinges that come closer."""
 
+    _place: ClassVar[str] = "rigs.stage"
+
     length: Length = declared(100.0, "length between the hinges", gt=0.0)
     width: Length = declared(50.0, "width", gt=0.0)
     direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
@@ -121,9 +123,22 @@ class StageBlock(Block):
 
     @model_validator(mode="after")
     def _shortenings_in_range(self) -> Self:
-        with _named("rigs.stage"):
+        with _named(self._place):
             require_shortenings(self.shortenings, self.length)
         return self
+
+
+class NativeRigBlock(StageBlock):
+    """A strip of scales between two hinges that come closer."""
+
+    _place: ClassVar[str] = "native_rig"
+
+    sides: tuple[Side, ...] = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
+
+    @field_validator("sides")
+    @classmethod
+    def _sides_once(cls, values: tuple[str, ...]) -> tuple[str, ...]:
+        return once_each(values)
 
 
 class RigsBlock(Block):

@@ -60,7 +60,7 @@ def _compute(
     datasets = {entry.kind: store.load(entry) for entry in inputs}
     resources = Resources(
         workers=workers if step.parallel else 1,
-        checkpoint=store.checkpoint(job.recipe, inputs) if step.parallel else None,
+        checkpoint=store.checkpoint(job.recipe, inputs) if step.resumable else None,
         on_sample=lambda event: events.write("sample", job.id, **_facts(event)),
     )
     dataset = step.compute(parameters, datasets, resources)
@@ -75,11 +75,11 @@ def _compute(
 
 
 _WHO = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-_FACTS = ("done", "total", "n_failed", "direction", "side", "curvature", "seconds")
+_FACTS = ("done", "total", "n_failed", "direction", "side", "curvature", "shortening", "seconds")
 
 
 def _facts(event: Any) -> dict[str, Any]:
-    return {name: getattr(event, name) for name in _FACTS}
+    return {name: getattr(event, name) for name in _FACTS if hasattr(event, name)}
 
 
 def watch_parent(pid: int) -> None:

@@ -37,6 +37,7 @@ FLAT = Bend(0.0, 0.0)
 _HELD = (0, 1, 2, 4, 6, 7, 8, 10)  # unknowns of a strip that its hinge holds
 _TURNING = (3, 5, 9, 11)
 _ON_LINE = 1e-6  # share of the length
+_HARD = 1e8  # the far hinge is off its place by far less than what matters, and more than rounding
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ class NativeStage(FiniteSheet):
         model = self.model
         gaps = model.substrate_material.young_modulus * model.substrate_thickness / model.gap
         self.soft = gaps * self.tiles.width / len(self.far)
-        self.hard = 1e6 * self.soft
+        self.hard = _HARD * self.soft
 
     def carried(self, shortening: float, stiffness: float) -> CarriedSheet:
         """The sheet with its far hinge on a machine that has come closer by so much [mm]."""

@@ -154,10 +154,10 @@ def _run_side(
 ) -> Iterator[dict[str, Any]]:
     """Samples of one side, those kept before first."""
     key = f"stage-{side}"
-    finished = checkpoint.load(key)[: len(shortenings)] if checkpoint else []
+    finished = [] if checkpoint is None else checkpoint.load(key)[: len(shortenings)]
     yield from finished
     for sample in follow_shortenings(stage, shortenings, side, solver, finished):
-        if checkpoint:
+        if checkpoint is not None:
             checkpoint.append(key, sample)
         yield sample
 

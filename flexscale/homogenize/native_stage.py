@@ -66,8 +66,7 @@ class NativeStage(FiniteSheet):
     far : indices in z of the x of all points of the far hinge.
     turning : indices in z of what turns about the hinges.
     far_active : their places among the active unknowns.
-    soft, hard : N/mm, stiffness of the machine that pulls as the sheet in the gaps does, and of one
-        beside which the sheet is nothing.
+    hard : N/mm, stiffness of a machine beside which the sheet is nothing.
     """
 
     def build_bodies(self, inner: CellEmbedding) -> list[Body]:
@@ -112,12 +111,11 @@ class NativeStage(FiniteSheet):
         return active
 
     def build_system(self) -> None:
-        """Analyze the present pattern of nonzeros; name the machines."""
+        """Analyze the present pattern of nonzeros; name the machine that holds."""
         super().build_system()
         model = self.model
         gaps = model.substrate_material.young_modulus * model.substrate_thickness / model.gap
-        self.soft = gaps * self.tiles.width / len(self.far)
-        self.hard = _HARD * self.soft
+        self.hard = _HARD * gaps * self.tiles.width
 
     def carried(self, shortening: float, stiffness: float) -> CarriedSheet:
         """The sheet with its far hinge on a machine that has come closer by so much [mm]."""
@@ -162,13 +160,14 @@ class NativeStage(FiniteSheet):
         bent = self.embedding.rest + bend.curvature * rate
         cosine, sine = np.cos(0.5 * turn), sign * np.sin(0.5 * turn)
         to_chord = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
-        z = self._uncurled(bent, bend, to_chord)
+        z = self.uncurled(bent, bend, to_chord)
         held = np.setdiff1d(np.arange(len(z)), self.active)
         z[held] = self.embedding.rest[held]
         return self.moved(z, shortening)
 
-    def _uncurled(self, bent: FloatArray, bend: Bend, turn: FloatArray) -> FloatArray:
-        """z under no bend of the state that `bent` is under a bend, turned by (3, 3)."""
+    def uncurled(self, bent: FloatArray, bend: Bend, turn: FloatArray) -> FloatArray:
+        """z under no bend of the state in the world that `bent` is under a bend, turned by a
+        rotation (3, 3)."""
         cell, z = self.embedding, bent.copy()
         starts = cell.world_map.starts
         frames = cell.world_map.place_bodies(bent, bend).frames @ turn.T

@@ -25,7 +25,9 @@ _CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is ha
 _PATIENCE = 12  # iterations after which a step above that is hard
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _ARCS = 8  # times that the first shortening is quartered until scales are clear of one another
-_NEARLY = 0.9  # of the way to where scales meet
+_STARTS = 6  # times that the way is halved until scales are clear of one another
+_STIFFER = 10.0  # the softest machine, than the sheet
+_MACHINES = 4  # from the softest to the one that holds
 
 #: Of a sample: what a `_Point` keeps, in its order.
 _POINT = ("shortening", "state", "rate", "second_rate", "energy", "force", "contact_pairs")
@@ -35,8 +37,8 @@ _POINT = ("shortening", "state", "rate", "second_rate", "energy", "force", "cont
 class _Point:
     """An equilibrium and what is known of the way on from there.
 
-    rate is dz/d(shortening); second_rate the change of dz/dt per t since the point before, empty at
-    the first one; energy in N mm, force in N.
+    rate is dz/d(shortening); second_rate the change of dz/dt per t since the point before, or since
+    the flat sheet; energy in N mm, force in N.
     """
 
     shortening: float
@@ -59,8 +61,6 @@ class _Point:
     def ahead(self, shortening: float) -> list[FloatArray]:
         """Starts beyond this point, the best guess first."""
         straight = self.z + (shortening - self.shortening) * self.rate
-        if not len(self.second_rate):
-            return [straight]
         span = np.sqrt(shortening) - np.sqrt(self.shortening)
         return [self.z + span * self.root_rate + 0.5 * span**2 * self.second_rate, straight]
 
@@ -152,10 +152,14 @@ def _next_point(
     contact = stage.contact
     pairs = 0 if contact is None else contact.active_pairs(state.world.y)
     energy = float(state.parts.sum())
-    point = _Point(shortening, solution.z, rate, np.zeros(0), energy, stage.force(state), pairs)
-    if before is not None:
-        span = np.sqrt(shortening) - np.sqrt(before.shortening)
-        point.second_rate = (point.root_rate - before.root_rate) / span
+    numbers = (energy, stage.force(state), pairs)
+    point = _Point(shortening, solution.z, rate, np.zeros_like(rate), *numbers)
+    root, slope = np.sqrt(shortening), point.root_rate
+    if before is None:  # the parabola that starts flat
+        moved = solution.z - stage.embedding.rest
+        point.second_rate = 2.0 * (root * slope - moved) / shortening
+    else:
+        point.second_rate = (slope - before.root_rate) / (root - np.sqrt(before.shortening))
     return point
 
 
@@ -211,20 +215,14 @@ def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | N
 def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptions) -> Solution:
     """Equilibrium at a target, the far hinge pulled there by a machine that gets harder.
 
-    The spring of a softer machine is as long as the force before asks for.
+    It starts as far along the way as scales are clear of one another. The softest machine is some
+    times as stiff as the sheet is; its spring is as long as the force before asks for.
     """
-    place = stage.embedding.world_map.place
-    z = stage.moved(point.ahead(target)[0], target)
-    carried = stage.carried(target, stage.hard)
-    free = 1.0
-    if stage.contact is not None:
-        start, end = (place(state, carried.bend).y for state in (point.z, z))
-        free = stage.contact.free_share(start, end)
-    if free < 1.0:
-        z = point.z + _NEARLY * free * (z - point.z)
+    z, n_far = _clear_start(stage, point, target), len(stage.far)
+    softest = _STIFFER * point.force / point.shortening / n_far
     iterations = 0
-    for stiffness in np.geomspace(stage.soft, stage.hard, 3):
-        stretch = point.force / (len(stage.far) * stiffness)
+    for stiffness in np.geomspace(softest, stage.hard, _MACHINES):
+        stretch = point.force / (n_far * stiffness)
         machine = Machine(stage.tiles.length - target - stretch, float(stiffness))
         solution = solve_equilibrium(CarriedSheet(stage, machine), z, options)
         iterations += solution.iterations
@@ -232,6 +230,19 @@ def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptio
         if solution.status != SolveStatus.converged:
             break
     return replace(solution, iterations=iterations)
+
+
+def _clear_start(stage: NativeStage, point: _Point, target: float) -> FloatArray:
+    """The guess at the largest half, quarter, … of the way to a target that scales leave free."""
+    carried = stage.carried(target, stage.hard)
+    y = stage.embedding.world_map.place(point.z, carried.bend).y
+    for k in range(_STARTS):
+        part = point.shortening + 0.5**k * (target - point.shortening)
+        z = stage.moved(point.ahead(part)[0], part)
+        state = carried.evaluate(z)
+        if stage.contact is None or stage.contact.free_share(y, state.world.y) >= 1.0:
+            return z
+    return point.z
 
 
 def _measure(stage: NativeStage, point: _Point, solution: Solution, sign: float) -> dict[str, Any]:

@@ -11,8 +11,9 @@ from scipy.optimize import fsolve
 
 import flexscale as fs
 from flexscale.datasets.checks import check_dataset
+from flexscale.embedding.curvature_map import Bend
 from flexscale.errors import BadInputError, PatternError, UnitRangeError, UnknownNameError
-from flexscale.homogenize.native_stage import NativeStage
+from flexscale.homogenize.native_stage import FLAT, NativeStage
 from flexscale.homogenize.stage_line import follow_shortenings
 from flexscale.mesh.finite import build_finite_mesh, strips
 from flexscale.patterns.cell import TiledCell
@@ -122,13 +123,27 @@ def test_closing_stiffens_by_contact(squares: NativeStage) -> None:
     assert force["closing"] > 5.0 * force["opening"]
 
 
+def test_the_same_state_lies_anywhere_in_the_world(squares: NativeStage) -> None:
+    """No bend of the map is needed for large turns: energies are those under a bend, and those of
+    the sheet turned by 70 degree."""
+    bend = Bend(-0.01, 0.0)
+    bent = squares.embedding.rest + bend.curvature * squares.bend_rate()
+    cosine, sine = np.cos(np.radians(70.0)), np.sin(np.radians(70.0))
+    turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    under_bend = squares.bent(bend).evaluate(bent).parts
+    assert under_bend.sum() > 0.01
+    for rotation in (np.eye(3), turn):
+        z = squares.uncurled(bent, bend, rotation)
+        assert squares.bent(FLAT).evaluate(z).parts == pytest.approx(under_bend, rel=1e-9)
+
+
 def test_derivatives_of_a_turned_state(squares: NativeStage) -> None:
     """Energy, gradient and Hessian of scales that have turned by 10 degree."""
     generator = np.random.default_rng(3)
     rate = squares.bend_rate()
     z = squares.arc(rate, 0.2, -1.0)
     z[squares.active] += 1e-4 * generator.standard_normal(len(squares.active))
-    carried = squares.carried(0.2, squares.soft)
+    carried = squares.carried(0.2, 100.0)
     direction = generator.standard_normal(len(squares.active))
     step = np.zeros_like(z)
     step[squares.active] = 1e-6 * direction / np.linalg.norm(direction)

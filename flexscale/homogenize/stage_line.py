@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from flexscale.homogenize.cell_problem import CellState
 from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
 from flexscale.homogenize.native_stage import CarriedSheet, Machine, NativeStage
-from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.mechanics.energy import CONTACT, FloatArray
+from flexscale.solve.newton import MOST_MODES, Solution, SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 
 _SMALLEST_STEP = 1.0 / 64.0  # of the way between two samples
@@ -198,18 +199,26 @@ def _advance(
 
 def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | None:
     """The start of least energy at a target; None if scales would meet on the way to all of them,
-    or if all have so much energy that a smaller step is the faster way."""
+    or if all are so far from equilibrium that a smaller step is the faster way."""
     carried = stage.carried(target, stage.hard)
     y = stage.embedding.world_map.place(point.z, carried.bend).y
     best, lowest = None, point.allowed_energy(target)
     for start in point.ahead(target):
-        z = stage.moved(start, target)
-        state = carried.evaluate(z)
+        state = carried.evaluate(stage.moved(start, target))
         contact = stage.contact
         free = contact is None or contact.free_share(y, state.world.y) >= 1.0
         if state.energy <= lowest and free:
-            best, lowest = z, state.energy
-    return best
+            best, lowest = state, state.energy
+    if best is None or (point.contact_pairs and _is_crumpled(carried, best)):
+        return None
+    return best.z
+
+
+def _is_crumpled(carried: CarriedSheet, state: CellState) -> bool:
+    """Whether energy curves downward along more modes than Newton's method turns over: from there
+    it takes small steps, each with a Hessian that is not the true one."""
+    values = carried.hessian_values(state, CONTACT)
+    return carried.system.factorize(values) > MOST_MODES
 
 
 def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptions) -> Solution:

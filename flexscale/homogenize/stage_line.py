@@ -225,10 +225,11 @@ def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptio
     """Equilibrium at a target, the far hinge pulled there by a machine that gets harder.
 
     It starts as far along the way as scales are clear of one another. The softest machine is some
-    times as stiff as the sheet is; its spring is as long as the force before asks for.
+    times as stiff as the sheet has been on average, 2 E / shortening^2, which is positive whatever
+    the force is; its spring is as long as the force before asks for.
     """
     z, n_far = _clear_start(stage, point, target), len(stage.far)
-    softest = _STIFFER * point.force / point.shortening / n_far
+    softest = 2.0 * _STIFFER * point.energy / point.shortening**2 / n_far
     iterations = 0
     for stiffness in np.geomspace(softest, stage.hard, _MACHINES):
         stretch = point.force / (n_far * stiffness)

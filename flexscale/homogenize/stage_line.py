@@ -18,7 +18,7 @@ from flexscale.homogenize.cell_problem import CellState
 from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
 from flexscale.homogenize.native_stage import CarriedSheet, Machine, NativeStage
 from flexscale.mechanics.energy import CONTACT, FloatArray
-from flexscale.solve.newton import MOST_MODES, Solution, SolverOptions, solve_equilibrium
+from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 
 _SMALLEST_STEP = 1.0 / 64.0  # of the way between two samples
@@ -215,10 +215,9 @@ def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | N
 
 
 def _is_crumpled(carried: CarriedSheet, state: CellState) -> bool:
-    """Whether energy curves downward along more modes than Newton's method turns over: from there
-    it takes small steps, each with a Hessian that is not the true one."""
-    values = carried.hessian_values(state, CONTACT)
-    return carried.system.factorize(values) > MOST_MODES
+    """Whether energy curves downward, and not by contact alone: from such a start Newton's method
+    takes small steps, each with a Hessian that is not the true one."""
+    return carried.system.factorize(carried.hessian_values(state, CONTACT)) > 0
 
 
 def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptions) -> Solution:

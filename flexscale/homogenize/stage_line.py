@@ -223,7 +223,8 @@ def _is_crumpled(carried: CarriedSheet, state: CellState) -> bool:
 def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptions) -> Solution:
     """Equilibrium at a target, the far hinge pulled there by a machine that gets harder.
 
-    It starts as far along the way as scales are clear of one another. The softest machine is some
+    It starts as far along the way as scales are clear of one another, and the sheet is not
+    crumpled. The softest machine is some
     times as stiff as the sheet has been on average, 2 E / shortening^2, which is positive whatever
     the force is; its spring is as long as the force before asks for.
     """
@@ -242,15 +243,15 @@ def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptio
 
 
 def _clear_start(stage: NativeStage, point: _Point, target: float) -> FloatArray:
-    """The guess at the largest half, quarter, … of the way to a target that scales leave free."""
+    """The guess at the target, or half, a quarter, … of the way to it, that is a fair start."""
     carried = stage.carried(target, stage.hard)
     y = stage.embedding.world_map.place(point.z, carried.bend).y
     for k in range(_STARTS):
         part = point.shortening + 0.5**k * (target - point.shortening)
-        z = stage.moved(point.ahead(part)[0], part)
-        state = carried.evaluate(z)
-        if stage.contact is None or stage.contact.free_share(y, state.world.y) >= 1.0:
-            return z
+        state = carried.evaluate(stage.moved(point.ahead(part)[0], part))
+        free = stage.contact is None or stage.contact.free_share(y, state.world.y) >= 1.0
+        if free and np.isfinite(state.energy) and not _is_crumpled(carried, state):
+            return state.z
     return point.z
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
     from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
+    from flexscale.homogenize.native_stage_dataset import simulate_native_stage
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
     from flexscale.macro.bent_sheet import SheetOptions
@@ -61,6 +62,7 @@ __all__ = [
     "plot",
     "simulate_mandrel",
     "simulate_native_sheet",
+    "simulate_native_stage",
     "simulate_sheet",
     "simulate_stage",
     "sweep",
@@ -93,6 +95,7 @@ _HOMES = {
     "open_registry": "flexscale.datasets.registry",
     "simulate_mandrel": "flexscale.macro.mandrel",
     "simulate_native_sheet": "flexscale.homogenize.native_sheet_dataset",
+    "simulate_native_stage": "flexscale.homogenize.native_stage_dataset",
     "simulate_sheet": "flexscale.macro.simulate",
     "simulate_stage": "flexscale.macro.stage",
     "sweep": "flexscale.homogenize.sweep",

@@ -78,7 +78,9 @@ class Progress:
         elif kind == "sample":
             self.samples[job_id] = event["done"]
             self.n_failed[job_id] = event["n_failed"]
-            self.where = f"{event['side']} {event['direction']:g}°, {event['curvature']:g} mm-1"
+            bent = event.get("curvature")
+            load = f"{event['shortening']:g} mm" if bent is None else f"{bent:g} mm-1"
+            self.where = f"{event['side']} {event['direction']:g}°, {load}"
         elif kind in ("end", "error"):
             self.working.pop(job_id, None)
             self.jobs_left -= 1

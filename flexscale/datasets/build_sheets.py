@@ -104,8 +104,10 @@ def build_rig_dataset(
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
     recipe: Recipe | None = None,
+    kind: str = "rig",
+    numbers: Mapping[str, int] | None = None,
 ) -> xr.Dataset:
-    """Dataset of kind rig.
+    """Dataset of kind rig, or native_rig.
 
     Parameters
     ----------
@@ -113,11 +115,12 @@ def build_rig_dataset(
     devices : of "mandrel" and "stage" one or both; each with its axis ("angle" in degree, or
         "shortening" in mm, increasing), and its sizes and variables by the names of the schema
         without the device's. Variables are (n_sides, n_axis).
+    numbers : of no device, by the names of the schema.
     scalars, config, recipe : as in `build_sweep_dataset`.
     """
-    values: dict[str, Any] = {"side": list(sides)}
+    values: dict[str, Any] = {"side": list(sides), **(numbers or {})}
     for device, arrays in devices.items():
         for name, value in arrays.items():
             own = name in ("angle", "shortening")
             values[name if own else f"{device}_{name}"] = value
-    return build_dataset("rig", values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(kind, values, scalars=scalars, config=config, recipe=recipe)

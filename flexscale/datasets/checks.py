@@ -13,7 +13,12 @@ from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_para
 from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.schema import ENERGY_PARTS, SWEEP, schema_of
-from flexscale.datasets.sheet_checks import check_rig, check_sheet_samples, check_turned_sheet
+from flexscale.datasets.sheet_checks import (
+    check_native_rig,
+    check_rig,
+    check_sheet_samples,
+    check_turned_sheet,
+)
 from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 
@@ -214,4 +219,5 @@ _CHECKS: dict[str, Callable[[xr.Dataset], None]] = {
     "turned_sheet": check_turned_sheet,
     "native_sheet": check_sheet_samples,
     "rig": check_rig,
+    "native_rig": check_native_rig,
 }

@@ -6,7 +6,13 @@ would notice raises the kind's version.
 
 from __future__ import annotations
 
-from flexscale.datasets.sheet_schema import NATIVE_SHEET, RIG, SHEET, TURNED_SHEET
+from flexscale.datasets.sheet_schema import (
+    NATIVE_RIG,
+    NATIVE_SHEET,
+    RIG,
+    SHEET,
+    TURNED_SHEET,
+)
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 from flexscale.errors import UnknownNameError, suggest
 
@@ -302,7 +308,18 @@ FIT = Schema(
 
 SCHEMAS: dict[str, Schema] = {
     item.kind: item
-    for item in (CELL, SWEEP, TANGENT, SHAPE, FIT, SHEET, TURNED_SHEET, NATIVE_SHEET, RIG)
+    for item in (
+        CELL,
+        SWEEP,
+        TANGENT,
+        SHAPE,
+        FIT,
+        SHEET,
+        TURNED_SHEET,
+        NATIVE_SHEET,
+        RIG,
+        NATIVE_RIG,
+    )
 }
 
 

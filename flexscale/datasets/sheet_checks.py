@@ -80,6 +80,21 @@ def check_rig(dataset: xr.Dataset) -> None:
                 check_numbers(dataset[item.name], status)
 
 
+def check_native_rig(dataset: xr.Dataset) -> None:
+    """Sides, shortenings, sizes, and numbers exactly where the strip converged."""
+    check_sides(dataset, "native rig")
+    shortening = dataset["shortening"].values
+    check_axis(shortening, "shortening", "mm")
+    if shortening[0] <= 0.0:
+        raise SchemaError("Shortenings must be positive: a flat strip carries any force.")
+    _check_sizes(dataset, ("stage_length", "stage_width"))
+    status = dataset["stage_status"]
+    check_status(status, "native rig")
+    for variable in dataset.data_vars.values():
+        if variable.dims == status.dims and variable.dtype.kind == "f":
+            check_numbers(variable, status)
+
+
 def _check_complete(
     dataset: xr.Dataset, device: str, own: tuple[Variable, ...], present: bool
 ) -> None:

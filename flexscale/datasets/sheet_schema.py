@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 
 Measured = tuple[Variable, ...]
@@ -9,6 +11,7 @@ Measured = tuple[Variable, ...]
 _SIDE = Variable("side", ("side",), "text", "", "side to which the sheet is bent")
 _BENT = ("side", "curvature")
 _TURNED = ("variant", "side", "direction")
+_SHORTENED = ("side", "shortening")
 _COUNTS = (
     ("newton_iterations", "Newton iterations"),
     ("negative_eigenvalues", "negative eigenvalues of the Hessian"),
@@ -53,6 +56,11 @@ def _steepest(dims: tuple[str, ...]) -> Variable:
     return _number("largest_curvature", dims, "mm-1", "largest principal curvature in the sheet")
 
 
+_SIZES = (
+    Variable("n_scales", (), "int32", "1", "scales, cut ones included"),
+    Variable("n_unknowns", (), "int32", "1", "unknowns of the model"),
+)
+
 SHEET = Schema(
     "sheet",
     1,
@@ -90,8 +98,7 @@ NATIVE_SHEET = Schema(
         *_response(_BENT),
         _number("min_gap", _BENT, "mm", "smallest distance between scales"),
         _count("contact_pairs", _BENT, "active contact pairs"),
-        Variable("n_scales", (), "int32", "1", "scales, cut ones included"),
-        Variable("n_unknowns", (), "int32", "1", "unknowns of the model"),
+        *_SIZES,
     ),
 )
 
@@ -120,6 +127,13 @@ def _size(name: str, units: str, long_name: str) -> Variable:
     return Variable(name, (), "float64", units, long_name, True)
 
 
+_STRIP = (
+    _number("stage_length", (), "mm", "length of the strip between its hinges"),
+    _number("stage_width", (), "mm", "width of the strip"),
+    _number(
+        "stage_direction", (), "degree", "direction of the length in the pattern's coordinates"
+    ),
+)
 #: Device -> its axis, sizes and variables; a dataset of kind rig has one device or both.
 DEVICE_COORDINATES = {
     "mandrel": (
@@ -130,9 +144,7 @@ DEVICE_COORDINATES = {
     ),
     "stage": (
         Variable("shortening", ("shortening",), "float64", "mm", "shortening of the strip", True),
-        _size("stage_length", "mm", "length of the strip between its hinges"),
-        _size("stage_width", "mm", "width of the strip"),
-        _size("stage_direction", "degree", "direction of the length in the pattern's coordinates"),
+        *(replace(item, optional=True) for item in _STRIP),
     ),
 }
 DEVICE_VARIABLES = {
@@ -153,3 +165,31 @@ RIG = Schema(
     coordinates=(_SIDE, *DEVICE_COORDINATES["mandrel"], *DEVICE_COORDINATES["stage"]),
     variables=(*DEVICE_VARIABLES["mandrel"], *DEVICE_VARIABLES["stage"]),
 )
+
+NATIVE_RIG = Schema(
+    "native_rig",
+    1,
+    "Strip of whole and cut scales on the stage",
+    coordinates=(
+        _SIDE,
+        _number("shortening", ("shortening",), "mm", "shortening of the strip"),
+        *_STRIP,
+    ),
+    variables=(
+        _number("stage_force", _SHORTENED, "N", "force on the hinges"),
+        _number("stage_energy", _SHORTENED, "N mm", "elastic energy of the strip"),
+        _number(
+            "stage_deflection", _SHORTENED, "mm",
+            "deflection of the middle, to the outer side of the arc",
+        ),
+        _number("stage_min_gap", _SHORTENED, "mm", "smallest distance between scales"),
+        *(
+            Variable(f"stage_{name}", _SHORTENED, "int32", "1", f"{long_name}, strip")
+            for name, long_name in (*_COUNTS, ("contact_pairs", "active contact pairs"))
+        ),
+        Variable(
+            "stage_status", _SHORTENED, "int8", "1", "end of the solve, strip", attrs=STATUS_ATTRS
+        ),
+        *_SIZES,
+    ),
+)  # fmt: skip

@@ -122,13 +122,13 @@ def follow_line(
     point = _Point(0.0, problem.embedding.rest, np.zeros(0), np.zeros(0))
     status = SolveStatus.converged
     stiffness = problem.barrier_stiffness
-    _set_barrier(problem, None)
+    set_barrier(problem, None)
     for sample in finished:
         status = SolveStatus(sample["status"])
         if status == SolveStatus.converged:
             point = _Point(*(sample.get(name, 0) for name in _POINT))
             stiffness = sample.get("barrier_stiffness", 0.0)
-            _set_barrier(problem, sample)
+            set_barrier(problem, sample)
     for curvature in line.curvatures[len(finished) :]:
         if status != SolveStatus.converged:
             yield {"curvature": curvature, "status": int(SolveStatus.not_run)}
@@ -154,10 +154,10 @@ def follow_line(
         yield sample
         if status == SolveStatus.converged:
             stiffness = sample.get("barrier_stiffness", 0.0)
-            _set_barrier(problem, sample)
+            set_barrier(problem, sample)
 
 
-def _set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:
+def set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:
     """Stiffness of the barrier for the sample that follows `sample`; None at the start of a line.
 
     The distance that scales keep must stay well above rounding, however hard they press.

@@ -17,23 +17,21 @@ import numpy as np
 
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.errors import BadInputError, ConfigError
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.errors import BadInputError
+from flexscale.homogenize.finite_sheet import FiniteSheet
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
 from flexscale.mechanics.contact import ContactSurface
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import IntArray
 from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mesh.finite import build_finite_mesh
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
-from flexscale.patterns.clipped import SheetTiles, clip_pattern
+from flexscale.patterns.clipped import clip_pattern
 from flexscale.solve.newton import SolverOptions
-from flexscale.solve.unconstrained import UnconstrainedSystem
 
 
-class NativeSheet(CellProblem):
+class NativeSheet(FiniteSheet):
     """A sheet of whole and cut scales; the same interface as the periodic cell.
 
     Parameters
@@ -65,18 +63,10 @@ class NativeSheet(CellProblem):
         scales: ScaleOptions | None = None,
         linear_solver: str = "auto",
     ) -> None:
-        if scales is not None and scales.model != "modes":
-            raise ConfigError(
-                f"A native sheet has scales of few modes, not {scales.model!r}: leave the model "
-                "of the scales at 'modes'."
-            )
-        self.tiles: SheetTiles = clip_pattern(pattern, length, width, direction)
+        tiles = clip_pattern(pattern, length, width, direction)
         super().__init__(
-            build_finite_mesh(pattern, self.tiles, mesh),
-            CellModel.of_pattern(pattern, contact, linear_solver, scales=scales),
+            pattern, tiles, mesh=mesh, contact=contact, scales=scales, linear_solver=linear_solver
         )
-        self.area = self.tiles.length * self.tiles.width
-        self.shift_mode = np.zeros(len(self.active))
 
     def build_bodies(self, inner: CellEmbedding) -> list[Body]:
         """The scales; those of the strips turn with the cylinder at the end, and do not leave its
@@ -84,14 +74,8 @@ class NativeSheet(CellProblem):
         bodies = super().build_bodies(inner)
         for k in np.flatnonzero(self.tiles.at_end):
             body = bodies[k]
-            shift = np.array([body.anchor[0], 0.0, 0.0])
-            bodies[k] = replace(
-                body,
-                anchor=body.anchor - shift[:2],
-                arms=body.arms + body.is_point[:, None] * shift,
-                vertex_arms=body.vertex_arms + shift,
-                second_moment=np.zeros((2, 2)),
-            )
+            anchored = body.anchored(body.anchor * [0.0, 1.0])
+            bodies[k] = replace(anchored, second_moment=np.zeros((2, 2)))
         return bodies
 
     def touching_surface(self, inner: CellEmbedding) -> ContactSurface | None:
@@ -115,11 +99,7 @@ class NativeSheet(CellProblem):
         """All but the strips', what no element depends on, and of the lattice's strain Syy, Sxy."""
         cell, inner, mesh = self.embedding, self.embedding.inner, self.mesh
         n, n_bodies = cell.n_unknowns, int(cell.world_map.starts[-1])
-        used = np.zeros(inner.n_unknowns, dtype=bool)
-        indptr, columns = inner.world_map.indptr, inner.world_map.columns
-        for row in np.unique(inner.shell.vectors):
-            used[columns[indptr[row] : indptr[row + 1]]] = True
-        free = np.concatenate([np.full(n_bodies, True), used[3 * inner.n_nodes :]])
+        free = self.used_unknowns()
         starts = cell.world_map.starts
         for k in np.flatnonzero(self.tiles.at_end):
             free[starts[k] : starts[k + 1]] = False
@@ -128,10 +108,6 @@ class NativeSheet(CellProblem):
         free[nodes[:, None] + np.arange(9) + n_bodies - 3 * inner.n_nodes] = False
         free[n - 3 :] = True, False, False
         return np.flatnonzero(free)
-
-    def build_system(self) -> None:
-        """Analyze the present pattern of nonzeros; what is held needs no constraint."""
-        self.system = UnconstrainedSystem(self.build_factorization(), self.pull_back.diagonal)
 
 
 def bend_native_sheet(

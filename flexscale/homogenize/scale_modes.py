@@ -13,6 +13,7 @@ length with E t / g in the plane and 12 D / g^3 across, and turns with 4 D / g.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,18 +62,26 @@ class SheetSupport:
 
 
 def build_bodies(
-    embedding: CellEmbedding, material: NeoHookean, support: SheetSupport, cutoff: float
+    embedding: CellEmbedding,
+    material: NeoHookean,
+    support: SheetSupport,
+    cutoff: float,
+    affine: Collection[int] = (),
 ) -> list[Body]:
-    """Bodies of all scales of a cell whose scales are points (`PointNodes`)."""
+    """Bodies of all scales of a cell whose scales are points (`PointNodes`); those that are
+    `affine` have no modes."""
     nodes = embedding.nodes
     assert isinstance(nodes, PointNodes)
     loads = _loads(embedding, nodes, support)
     shares = embedding.vertex_shares()
     known: list[_Modes] = []
     return [
-        _build_body(embedding, nodes, material, loads, shares, scale, cutoff, known)
+        _build_body(
+            embedding, nodes, material, loads, shares, scale,
+            np.inf if scale in affine else cutoff, known,
+        )
         for scale in range(embedding.mesh.n_scales)
-    ]
+    ]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -125,17 +134,21 @@ def _build_body(
     places = mesh.scale_positions[vertices].copy()
     places[:, :2] -= anchor
     n_loads = own.shape[1]
+    affine = np.isinf(cutoff)
     kind = next((found for found in known if found.is_moved_to(places, n_loads)), None)
-    if kind is None:
+    if kind is None or affine:
         copies = (found.turned_to(places, n_loads) for found in known)
         modes = next((found for found in copies if found is not None), None)
         stiffness = _stiffness(mesh, scale, vertices, material)
+        if affine:
+            modes = np.zeros((places.size, 0))
         if modes is None:
             modes = _modes(stiffness, own.toarray(), places, cutoff)
         fields = np.concatenate([_strain_fields(places), modes], axis=1)
         product = _symmetric(fields.T @ (stiffness @ fields))
         kind = _Modes(places, n_loads, modes.reshape(*places.shape, -1), product)
-        known.append(kind)
+        if not affine:
+            known.append(kind)
     shapes, n = kind.modes, kind.modes.shape[2]
     mine = np.flatnonzero(nodes.scale == scale)
     on_nodes = nodes.weights[mine][:, vertices]

@@ -15,12 +15,13 @@ from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.load_path import LoadStep, follow_loads
 from flexscale.macro.model import MacroModel
-from flexscale.macro.rigs import RigOptions, finite_series, side_sign, warn_beyond
+from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
 from flexscale.macro.rim import HUB, Rim
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_problem import SheetProblem
 from flexscale.macro.simulate import sheet_law
 from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mechanics.load_series import finite_series
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh
 from flexscale.solve.newton import SolverOptions

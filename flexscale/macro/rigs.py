@@ -6,12 +6,11 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from flexscale.datasets.variables import SIDES
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
 from flexscale.mechanics.energy import FloatArray
-from flexscale.units import require_finite, require_positive
+from flexscale.units import require_positive
 
 log = logging.getLogger(__name__)
 
@@ -49,16 +48,6 @@ def side_sign(side: str) -> float:
     if side not in SIDES:
         raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDES)}")
     return 1.0 if side == "closing" else -1.0
-
-
-def finite_series(values: ArrayLike, name: str, unit: str) -> FloatArray:
-    """(n,) floats from one number or a list; UnitRangeError for none, or one that is not finite."""
-    series = np.atleast_1d(np.asarray(values, dtype=float))
-    if series.ndim != 1 or not len(series):
-        raise UnitRangeError(f"{name} must be one or more numbers in {unit}, not {values!r}.")
-    for value in series.tolist():
-        require_finite(value, name, unit)
-    return series
 
 
 def warn_beyond(what: str, curvatures: FloatArray, limit: float) -> None:

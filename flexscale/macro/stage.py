@@ -11,25 +11,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.errors import BadInputError
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.load_path import LoadStep, follow_loads
 from flexscale.macro.model import MacroModel
-from flexscale.macro.rigs import RigOptions, finite_series, side_sign, warn_beyond
+from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_problem import SheetProblem
 from flexscale.macro.simulate import sheet_law
 from flexscale.macro.surfaces import Surface, hinged_arc
 from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh, rectangle
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 from flexscale.units import require_finite, require_positive
 
-#: mm, how far the hinges have come closer if nothing else is said.
-SHORTENINGS = (0.5, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0)
 _CLOSE = 1e-9  # share of the length
 
 
@@ -69,29 +67,6 @@ class StageTest:
     iterations: IntArray
     negative_eigenvalues: IntArray
     positions: FloatArray
-
-
-def require_shortenings(shortenings: ArrayLike, length: float) -> FloatArray:
-    """(n,) shortenings [mm] of a strip of a length [mm].
-
-    Raises
-    ------
-    UnitRangeError : none, or one that is not finite, or the first is not positive.
-    BadInputError : they do not increase, or reach the length.
-    """
-    asked = finite_series(shortenings, "shortening", "mm")
-    require_positive(float(asked[0]), "shortening", "mm")  # flat strips carry any force
-    if (np.diff(asked) <= 0.0).any():
-        raise BadInputError(
-            f"Shortenings must increase, in mm, not {asked.tolist()}: the strip is followed from "
-            "one to the next."
-        )
-    if asked[-1] >= length:
-        raise BadInputError(
-            f"A shortening of {asked[-1]:.12g} mm is more than a strip of {length:.12g} mm has: "
-            "stay below its length."
-        )
-    return asked
 
 
 class StageRig:

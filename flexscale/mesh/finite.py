@@ -1,9 +1,10 @@
-"""The mesh of a rectangular sheet with whole and cut scales, its two ends glued to one another.
+"""The mesh of a rectangular sheet with whole and cut scales.
 
-Both ends of a bent sheet lie on one cylinder: the far end is where a lattice vector carries the
-near one. So the sheet is a mesh that is periodic along its length and free at its sides, and what
-holds the near end holds both. Pieces of scales that the ends cut are part of the strips that hold
-the sheet; so is the gap between them along the end, which belongs to no element.
+Both ends of a sheet on a cylinder are one: the far end is where a lattice vector carries the near
+one. Such a sheet is a mesh that is periodic along its length and free at its sides, and what holds
+the near end holds both. Other sheets have two ends of their own. Pieces of scales that the ends cut
+are part of the strips that hold the sheet; so is the gap between them along the end, which belongs
+to no element. A strip of an end of its own is one scale of several pieces.
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ def build_finite_mesh(
 ) -> PeriodicMesh:
     """Mesh a sheet like the pattern's cell: same sizes, same kinds of elements.
 
-    In the result, the first lattice vector is the sheet's length; the second is so wide that images
-    are out of reach, and edges at the sides have one triangle.
+    In the result, the first lattice vector is the length of a sheet that is glued end to end. Else,
+    and across the sheet, images are out of reach, and edges at the border have one triangle. The
+    first scales then are the strips, as `strips` numbers them.
 
     Parameters
     ----------
@@ -54,22 +56,44 @@ def build_finite_mesh(
     ]
     placed = [(meshes[copy.prototile], copy.placement) for copy in tiles.copies]
     bare = [_bare_tile(polygon, sharp, options, tips) for polygon, sharp in tiles.bare]
-    lattice = np.diag([tiles.length, APART * tiles.width])
+    lattice = np.diag([tiles.length * (1.0 if tiles.glued else APART), APART * tiles.width])
     mesh = join_tiles(placed, bare, lattice, pattern.scale_height)
     if options.scale_order == 2:
         mesh = elevate_scales(mesh)
     _check(mesh, tiles)
-    return _without_end_gap(mesh, tiles, 0.5 * pattern.gap)
+    mesh = _without_end_gaps(mesh, tiles, 0.5 * pattern.gap)
+    return mesh if tiles.glued else _with_strips(mesh, tiles)
 
 
-def _without_end_gap(mesh: PeriodicMesh, tiles: SheetTiles, half: float) -> PeriodicMesh:
-    """The triangles of the gap along the end count as covered by a scale of the strip."""
-    across = np.abs(mesh.corner_positions()[..., 0])
-    length = tiles.length
-    across = np.minimum(across, np.abs(across - length)).max(axis=1)
-    within = (mesh.triangle_scale < 0) & (across < half * (1.0 + 1e-6))
-    first = int(np.flatnonzero(tiles.at_end)[0]) if tiles.at_end.any() else -1
-    return replace(mesh, triangle_scale=np.where(within, first, mesh.triangle_scale))
+def strips(tiles: SheetTiles) -> tuple[int, int]:
+    """Scales of the mesh that are the strips of near and far end; -1 where an end cuts none."""
+    near, far = (tiles.at_end & ~tiles.at_far_end).any(), tiles.at_far_end.any()
+    return 0 if near else -1, int(near) if far else -1
+
+
+def _with_strips(mesh: PeriodicMesh, tiles: SheetTiles) -> PeriodicMesh:
+    """All pieces at an end as one scale."""
+    rank = np.where(tiles.at_far_end, 1, np.where(tiles.at_end, 0, 2))
+    rank[rank == 2] += np.arange(np.count_nonzero(rank == 2))
+    number = np.unique(rank, return_inverse=True)[1]
+    labels = ("triangle", "vertex", "edge", "tet", "base", "surface")
+    scales = {f"{label}_scale": getattr(mesh, f"{label}_scale") for label in labels}
+    renumbered = {
+        name: np.where(scale >= 0, number[np.maximum(scale, 0)], scale) if len(number) else scale
+        for name, scale in scales.items()
+    }
+    return replace(mesh, n_scales=len(np.unique(number)), **renumbered)
+
+
+def _without_end_gaps(mesh: PeriodicMesh, tiles: SheetTiles, half: float) -> PeriodicMesh:
+    """The triangles of the gaps along the ends count as covered by a scale of the strip there."""
+    x, covered = mesh.corner_positions()[..., 0], mesh.triangle_scale.copy()
+    at_near = tiles.at_end & ~tiles.at_far_end
+    for end, pieces in ((0.0, at_near), (tiles.length, tiles.at_far_end | tiles.glued & at_near)):
+        within = (covered < 0) & (np.abs(x - end) < half * (1.0 + 1e-6)).all(axis=1)
+        if pieces.any():
+            covered[within] = np.flatnonzero(pieces)[0]
+    return replace(mesh, triangle_scale=covered)
 
 
 def _bare_tile(
@@ -94,15 +118,18 @@ def _bare_tile(
 
 
 def _check(mesh: PeriodicMesh, tiles: SheetTiles) -> None:
-    """All of the rectangle is covered once, and only its sides have edges of one triangle."""
+    """All of the rectangle is covered once, and only its border has edges of one triangle."""
     areas = mesh.triangle_areas()
     incidence = np.bincount(mesh.triangle_edges.ravel(), minlength=mesh.n_edges)
-    across = mesh.positions[mesh.edges[incidence == 1], 1]
+    single = mesh.positions[mesh.edges[incidence == 1]]
     close = 1e-6 * tiles.width
-    at_side = (np.abs(across) < close).all(axis=1) | (np.abs(across - tiles.width) < close).all(1)
+    lines = [(1, 0.0), (1, tiles.width)]
+    if not tiles.glued:
+        lines += [(0, 0.0), (0, tiles.length)]
+    on_line = [(np.abs(single[..., axis] - place) < close).all(axis=1) for axis, place in lines]
     area = tiles.length * tiles.width
     whole = abs(areas.sum() - area) < 1e-6 * area and (areas > 0.0).all()
-    if not whole or (incidence > 2).any() or not at_side.all():
+    if not whole or (incidence > 2).any() or not np.any(on_line, axis=0).all():
         raise MeshError(
             f"The mesh of the sheet of {tiles.length:g} x {tiles.width:g} mm does not close: try "
             "other mesh options (a smaller `corner` or `along`), or another direction."

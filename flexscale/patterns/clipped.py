@@ -1,8 +1,8 @@
 """The tiles of a pattern that lie on a rectangular sheet, cut at its border.
 
 Pieces of cut tiles are tiles of their own, with scales half a gap away from the border as from
-their neighbors. Slivers, and pieces that the gap leaves no scale in one part, stay bare. The sheet
-is glued end to end: pieces at its far end lie before the near one, a sheet's length away.
+their neighbors. Slivers, and pieces that the gap leaves no scale in one part, stay bare. A sheet
+that is glued end to end has the pieces of its far end before the near one, a sheet's length away.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ class SheetTiles:
     center : (2,) mm, point of the pattern in the middle of the sheet.
     prototiles, copies : of the pieces that carry scales.
     at_end : (n_copies,) pieces at one of the ends.
+    at_far_end : (n_copies,) pieces at the far end; none if the sheet is glued end to end.
     bare : polygons (n_i, 2) of the others, mm, with flags (n_i,) of sharp corners.
+    glued : whether the far end is where a lattice vector carries the near one.
     """
 
     length: float
@@ -46,11 +48,13 @@ class SheetTiles:
     prototiles: tuple[Prototile, ...]
     copies: tuple[TileCopy, ...]
     at_end: BoolArray
+    at_far_end: BoolArray
     bare: tuple[tuple[FloatArray, BoolArray], ...]
+    glued: bool = True
 
 
 def clip_pattern(
-    pattern: Pattern, length: float, width: float, direction: float = 0.0
+    pattern: Pattern, length: float, width: float, direction: float = 0.0, glued: bool = True
 ) -> SheetTiles:
     """Lay a pattern on a rectangle and cut it at the border.
 
@@ -60,6 +64,7 @@ def clip_pattern(
     Parameters
     ----------
     length, width : mm; the pattern's `direction` [degree] lies along the length.
+    glued : end to end, or with two ends of its own; the pattern's place is the same.
 
     Raises
     ------
@@ -74,7 +79,9 @@ def clip_pattern(
             f"{pattern.cell_area:.4g} mm2: make it larger, or the tiles smaller."
         )
     center, cell = _best_place(pattern, length, width, turn)
-    tiles = [_at_near_end(tile, length, cell.tolerance) for tile in cell.tiles]
+    tiles = list(cell.tiles)
+    if glued:
+        tiles = [_at_near_end(tile, length, cell.tolerance) for tile in tiles]
     carries = np.array([_carries_scale(tile, pattern) for tile in tiles])
     pieces = list(zip(tiles, cell.sharp, strict=True))
     kept = [piece for piece, yes in zip(pieces, carries, strict=True) if yes]
@@ -86,10 +93,14 @@ def clip_pattern(
         cell.tolerance,
     )
     prototiles, copies = find_prototiles(with_scales, pattern.gap)
-    at_end = np.array([touches_end(tile, cell.tolerance) for tile in with_scales.tiles])
-    return SheetTiles(
-        length, width, float(direction), center, prototiles, copies, at_end, tuple(bare)
+    at_near, at_far = (
+        np.array([touches_end(tile - [x, 0.0], cell.tolerance) for tile in with_scales.tiles])
+        for x in (0.0, length)
     )
+    return SheetTiles(
+        length, width, float(direction), center, prototiles, copies, at_near | at_far, at_far,
+        tuple(bare), glued,
+    )  # fmt: skip
 
 
 def touches_end(polygon: FloatArray, tolerance: float) -> bool:

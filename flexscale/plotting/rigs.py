@@ -17,6 +17,7 @@ from flexscale.plotting.style import (
     COLUMN_WIDTH,
     FAILED_COLOR,
     MACRO_COLOR,
+    NATIVE_COLOR,
     PAGE_WIDTH,
     SIDE_LINESTYLES,
     add_note,
@@ -101,6 +102,43 @@ def mandrels(tests: Sequence[xr.Dataset], side: str, columns: int = 3) -> Figure
             label = axis_label(dataset["mandrel_force"])
             axes.set_title(f"{subject(dataset)}, {side}\n{label}")
         add_note(figure, list(dict.fromkeys(notes)))
+    return figure
+
+
+def compared_stages(native: xr.Dataset, macro: xr.Dataset) -> Figure:
+    """Force on the same strip by both models, against the shortening; one panel a side.
+
+    Parameters
+    ----------
+    native, macro : datasets of kinds native_rig and rig.
+
+    Raises
+    ------
+    SchemaError : other datasets.
+    UnknownNameError : a side that the macro strip was not bent to.
+    """
+    for dataset in (native, macro):
+        require_variables(dataset, _NEEDED["stage"], "A comparison of strips on the stage")
+    sides = pick_sides(native, None)
+    pick_sides(macro, sides)
+    with flexscale_style():
+        figure = new_figure(COLUMN_WIDTH * (0.25 + 0.95 * len(sides)), COLUMN_WIDTH * 0.8)
+        for column, side in enumerate(sides):
+            axes = figure.add_subplot(1, len(sides), column + 1)
+            for dataset, color, line, label in (
+                (native, NATIVE_COLOR, "-", "native"),
+                (macro, MACRO_COLOR, "--", "macro"),
+            ):
+                shown = dataset["stage_force"].sel(side=side)
+                shown = shown.where(dataset["stage_status"].sel(side=side) == 0)
+                axes.plot(shown["shortening"], shown, color=color, linestyle=line, marker="o",
+                          markersize=3.0, label=label)  # fmt: skip
+            axes.set_xlabel(axis_label(native["shortening"]))
+            axes.set_ylabel(axis_label(native["stage_force"]))
+            axes.set_xlim(0.0, 1.05 * float(native["shortening"].max()))
+            axes.set_ylim(bottom=0.0)
+            axes.set_title(f"{subject(native)}, {side}".lstrip(", "))
+            axes.legend()
     return figure
 
 

@@ -187,6 +187,23 @@ class NativeSheetParameters(NativeParameters):
         return len(self.sides) * len(self.curvatures)
 
 
+class NativeRigParameters(NativeParameters):
+    """Also sides, shortenings and sizes (mm), direction (degree), contact, solver options."""
+
+    length: float
+    width: float
+    shortenings: tuple[float, ...]
+    direction: float
+    sides: tuple[str, ...]
+    contact: dict[str, Any]
+    solver: dict[str, Any]
+
+    @property
+    def n_samples(self) -> int:
+        """One for each side and shortening."""
+        return len(self.sides) * len(self.shortenings)
+
+
 class MandrelParameters(BaseModel):
     """A disc on the mandrel: mm, and angles in degree."""
 
@@ -273,5 +290,6 @@ STEPS: dict[str, Step] = {
         Step("turned_sheet", 1, TurnedSheetParameters, inputs=("sweep", "tangent")),
         Step("native_sheet", 1, NativeSheetParameters, resumable=True),
         Step("rig", 1, RigParameters, inputs=("fit",)),
+        Step("native_rig", 1, NativeRigParameters, resumable=True),
     )
 }

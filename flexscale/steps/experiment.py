@@ -36,6 +36,7 @@ from flexscale.steps.blocks import (
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
 from flexscale.steps.quantities import declared
 from flexscale.steps.sheet_blocks import (
+    NativeRigBlock,
     NativeSheetBlock,
     RigsBlock,
     SheetBlock,
@@ -54,6 +55,7 @@ FigureName = Literal[
     "turned_sheet",
     "native_sheet",
     "rig",
+    "native_rig",
 ]
 #: Blocks a figure needs.
 _FIGURE_BLOCKS = {
@@ -68,6 +70,7 @@ _FIGURE_BLOCKS = {
     "turned_sheet": "turned_sheet",
     "native_sheet": "native_sheet",
     "rig": "rigs",
+    "native_rig": "native_rig",
 }
 
 
@@ -149,6 +152,9 @@ class Experiment(Block):
         None, "the scales themselves between end strips; {} for defaults, which take hours"
     )
     rigs: RigsBlock | None = declared(None, "the fit on the testing devices")
+    native_rig: NativeRigBlock | None = declared(
+        None, "the scales themselves on the stage; {} for defaults, which take hours"
+    )
     figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
 
     @field_validator("patterns")

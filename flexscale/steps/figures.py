@@ -90,6 +90,11 @@ FIGURES = {
         lambda plot, rig: plot.rig(rig),
         "Force on the testing devices: around the mandrel, and against the stage's shortening.",
     ),
+    "native_rig": FigureRecipe(
+        ("native_rig",),
+        lambda plot, rig: plot.rig(rig),
+        "Force on a strip of scales on the stage, against its shortening.",
+    ),
 }
 
 

@@ -140,6 +140,8 @@ def _wanted_steps(experiment: Experiment) -> dict[str, dict[str, object]]:
         wanted["native_sheet"] = experiment.native_sheet.model_dump() | options
     if experiment.rigs is not None:
         wanted["rig"] = experiment.rigs.model_dump()
+    if experiment.native_rig is not None:
+        wanted["native_rig"] = experiment.native_rig.model_dump() | options
     if experiment.shapes:
         samples: object = [shape.model_dump() for shape in experiment.shapes]
         wanted["shape"] = {"samples": samples} | options

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Self
+from typing import ClassVar, Self
 
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -20,7 +20,7 @@ from flexscale.macro.mandrel import ANGLES
 from flexscale.macro.polar import Variant
 from flexscale.macro.rigs import RigOptions
 from flexscale.macro.rim import Rim
-from flexscale.macro.stage import SHORTENINGS, require_shortenings
+from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.steps.blocks import (
     BendingDirections,
     Block,
@@ -148,6 +148,8 @@ class MandrelBlock(Block):
 class StageBlock(Block):
     """A strip between two hinges that come closer."""
 
+    _place: ClassVar[str] = "rigs.stage"
+
     length: Length = declared(100.0, "length between the hinges", gt=0.0)
     width: Length = declared(50.0, "width", gt=0.0)
     direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
@@ -157,9 +159,17 @@ class StageBlock(Block):
 
     @model_validator(mode="after")
     def _shortenings_in_range(self) -> Self:
-        with _named("rigs.stage"):
+        with _named(self._place):
             require_shortenings(self.shortenings, self.length)
         return self
+
+
+class NativeRigBlock(StageBlock):
+    """A strip of scales between two hinges that come closer."""
+
+    _place: ClassVar[str] = "native_rig"
+
+    sides: Sides = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
 
 
 class RigsBlock(Block):

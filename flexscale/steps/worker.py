@@ -75,11 +75,11 @@ def _compute(
 
 
 _WHO = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-_FACTS = ("done", "total", "n_failed", "direction", "side", "curvature", "seconds")
+_FACTS = ("done", "total", "n_failed", "direction", "side", "curvature", "shortening", "seconds")
 
 
 def _facts(event: Any) -> dict[str, Any]:
-    return {name: getattr(event, name) for name in _FACTS}
+    return {name: getattr(event, name) for name in _FACTS if hasattr(event, name)}
 
 
 def watch_parent(pid: int) -> None:

@@ -12,11 +12,12 @@ import pytest
 import xarray as xr
 
 import flexscale as fs
-from flexscale.datasets.build_sheets import build_sheet_dataset
+from flexscale.datasets.build_sheets import build_rig_dataset, build_sheet_dataset
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.store import Store
 from flexscale.errors import BadInputError, MissingDataError, SchemaError, UnknownNameError
+from flexscale.plotting.rigs import compared_stages
 from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from flexscale.status import SolveStatus
 from flexscale.steps.base import Resources
@@ -73,6 +74,15 @@ def test_sheets_and_rigs_come_from_the_fit() -> None:
         assert [plan[needed].step for needed in jobs[name].inputs] == ["fit"]
         assert jobs[name].n_samples == size
     assert [job.title for job in plan if job.step == "figure"] == ["sheet", "rig"]
+
+
+def test_a_native_strip_needs_no_fit() -> None:
+    content = {"patterns": CONTENT["patterns"], "native_rig": {"shortenings": [1, "0.2 cm"]}}
+    (job,) = (job for job in plan_of(content) if job.step == "native_rig")
+    assert (job.inputs, job.n_samples) == ((), 2 * 2)
+    parameters = STEPS["native_rig"].parameters.model_validate(job.recipe.parameters)
+    assert parameters.model_dump()["shortenings"] == (1.0, 2.0)
+    assert STEPS["native_rig"].resumable
 
 
 def test_every_step_has_a_rule_of_the_workflow() -> None:
@@ -181,6 +191,8 @@ def rigs(**changes: Any) -> dict[str, Any]:
         (rigs(mandrel={"angles": [0, 360]}), "angles lie in [0, 360) degree"),
         (rigs(stage={"shortenings": [5, 120]}), "rigs.stage: A shortening of 120 mm"),
         (rigs(stage={"shortenings": [0, 1]}), "shortening is 0 mm"),
+        ({"native_rig": {"shortenings": [5, 120]}}, "native_rig: A shortening of 120 mm"),
+        ({"native_rig": {"sides": ["opening", "opening"]}}, "a side is named twice"),
     ],
 )
 def test_bad_blocks_are_refused_before_anything_is_computed(change, words: str) -> None:
@@ -279,3 +291,44 @@ def test_a_sheet_that_failed_still_says_where() -> None:
     check_dataset(dataset, "sheet")
     assert dataset["signed_curvature"].values.tolist() == [[0.0, 0.01], [0.0, -0.01]]
     assert np.isnan(dataset["energy"].values).tolist() == [[False, False], [False, True]]
+
+
+@pytest.fixture(scope="module")
+def native_rig(made) -> xr.Dataset:
+    """Half of what the macro strip carries; the last sample failed."""
+    names = ("force", "energy", "deflection", "newton_iterations", "negative_eigenvalues", "status")
+    stage = {name: made["rig"][f"stage_{name}"].values.copy() for name in names}
+    stage["force"] *= 0.5
+    stage["min_gap"], stage["contact_pairs"] = np.full((2, 2), 0.1), np.zeros((2, 2))
+    stage["status"][1, 1] = SolveStatus.max_iterations
+    for name in ("force", "energy", "deflection", "min_gap"):
+        stage[name][1, 1] = np.nan
+    sizes = {"shortening": [1.0, 10.0], "length": 100.0, "width": 50.0, "direction": 30.0}
+    return build_rig_dataset(
+        ("closing", "opening"), {"stage": stage | sizes}, scalars={"family": "IH20",
+        "pattern": "hexagon"}, config={}, kind="native_rig",
+        numbers={"n_scales": 50, "n_unknowns": 9000},
+    )  # fmt: skip
+
+
+def test_a_native_strip_beside_the_fit(made, native_rig) -> None:
+    check_dataset(native_rig, "native_rig")
+    assert len(failed_samples(native_rig)) == 1
+    closing, opening = compared_stages(native_rig, made["rig"]).axes
+    native, macro = closing.lines
+    np.testing.assert_allclose(2.0 * native.get_ydata(), macro.get_ydata())
+    assert np.isnan(opening.lines[0].get_ydata()[1])
+    assert closing.get_xlabel() == "shortening of the strip [mm]"
+    with pytest.raises(SchemaError, match="strips on the stage"):
+        compared_stages(native_rig, made["sheet"])
+
+
+def test_native_strips_have_numbers_where_they_converged(native_rig) -> None:
+    spoiled = native_rig.copy(deep=True)
+    spoiled["stage_force"].values[1, 1] = 1.0
+    with pytest.raises(SchemaError, match="converged samples only"):
+        check_dataset(spoiled, "native_rig")
+    flat = native_rig.assign_coords(shortening=native_rig["shortening"] - 1.0)
+    flat["shortening"].attrs = native_rig["shortening"].attrs
+    with pytest.raises(SchemaError, match="must be positive"):
+        check_dataset(flat, "native_rig")

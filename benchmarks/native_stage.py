@@ -1,0 +1,176 @@
+"""Strips on the stage: the native model against the macro model, by shortening and side (Fig. 11).
+
+    python benchmarks/native_stage.py --results DIR [--squares] [--output FILE]
+
+Strips of scales are the native_rig datasets of DIR, made by `flexscale run
+workflows/native_rigs.yaml`; macro models are fits of DIR. Both strips have the same hinges, sizes
+and shortenings. Native strips are meshed half as finely as the cells that the model is fitted to,
+which makes them stiffer: "cell of this mesh" is what that does to the cell's stiffness along the
+strip. A strip that is a few cells wide has few rows of scales whose neighbors are on both sides,
+which the macro model cannot know. Times are of one core, all of them taken in one run: the macro
+strip from flat to its last shortening, and an iteration of Newton's method on the native strip
+(energy, gradient, Hessian, factorization, solution), times the iterations that the dataset counts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from report import report
+
+import flexscale as fs
+from flexscale.homogenize.native_stage import NativeStage
+from flexscale.homogenize.stage_line import follow_shortenings
+from flexscale.macro.simulate import sheet_law
+from flexscale.macro.stage import StageRig
+from flexscale.patterns.clipped import clip_pattern
+from flexscale.solve.newton import SolverOptions
+
+REPEATS = 3
+SQUARES = {"opening": (0.1,), "closing": (0.05, 0.2)}  # shortenings, mm
+SQUARES_LENGTH, SQUARES_WIDTH = 30.0, 10.0  # mm
+
+
+def table(head: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return [f"| {' | '.join(line)} |" for line in lines] + [""]
+
+
+def mesh_convergence() -> list[str]:
+    """Forces on a strip of squares by mesh, before contact and in it."""
+    pattern = fs.named_pattern("square")
+    tiles = clip_pattern(pattern, SQUARES_LENGTH, SQUARES_WIDTH, glued=False)
+    rows = []
+    for factor in (0.5, 1.0):
+        start = time.perf_counter()
+        stage = NativeStage(pattern, tiles, mesh=fs.MeshOptions().finer(factor))
+        forces, pairs = [], []
+        for side, shortenings in SQUARES.items():
+            samples = list(follow_shortenings(stage, shortenings, side, SolverOptions()))
+            forces += [sample.get("force", np.nan) for sample in samples]
+            pairs += [sample.get("contact_pairs", 0) for sample in samples]
+        seconds = time.perf_counter() - start
+        shown = [f"{f:.4f}{'*' if n else ''}" for f, n in zip(forces, pairs, strict=True)]
+        rows.append([f"{factor:g}", f"{len(stage.active):,}", *shown, f"{seconds:.0f}"])
+    head = [f"{side}, {value:g} mm" for side, values in SQUARES.items() for value in values]
+    return [
+        f"## Squares, {SQUARES_LENGTH:g} x {SQUARES_WIDTH:g} mm: force [N] by mesh", "",
+        "\"1\" is the default mesh; * with scales in contact.", "",
+        *table(["finer by", "unknowns", *head, "s"], rows),
+    ]  # fmt: skip
+
+
+def iteration_seconds(stage: NativeStage) -> float:
+    """Seconds of one iteration of Newton's method, at a small shortening."""
+    z = stage.arc(stage.bend_rate(), 1e-4 * stage.tiles.length, 1.0)
+    carried = stage.carried(1e-4 * stage.tiles.length, stage.hard)
+    start = time.perf_counter()
+    for _ in range(REPEATS):
+        state = carried.evaluate(z)
+        carried.system.factorize(carried.hessian_values(state))
+        carried.system.solve(-state.gradient)
+    return (time.perf_counter() - start) / REPEATS
+
+
+def cell_ratios(pattern: fs.Pattern, mesh: fs.MeshOptions, direction: float) -> tuple[float, float]:
+    """Bending stiffness of the cell along a direction [degree], of a mesh over that of the default
+    one: held flat across, and free to curl."""
+    cosine, sine = np.cos(np.radians(direction)), np.sin(np.radians(direction))
+    along = np.array([cosine**2, sine**2, 2.0 * cosine * sine])
+    flat, free = [], []
+    for options in (mesh, None):
+        tangent = fs.tangent_stiffness(pattern, mesh=options)
+        flat.append(float(tangent.stiffness(direction)))
+        free.append(1.0 / float(along @ np.linalg.solve(tangent.matrix, along)))
+    return flat[0] / flat[1], free[0] / free[1]
+
+
+@cache
+def costs_of(
+    config: str, sizes: tuple[float, float, float]
+) -> tuple[int, float, float, float, float]:
+    """Unknowns of a native strip, seconds to set it up and of an iteration, and what its mesh does
+    to the cell (`cell_ratios`); from a dataset's configuration, length, width and direction."""
+    settings = json.loads(config)
+    pattern = fs.Pattern.from_config(settings["pattern"])
+    mesh = fs.MeshOptions(**settings["mesh"])
+    start = time.perf_counter()
+    stage = NativeStage(pattern, clip_pattern(pattern, *sizes, glued=False), mesh=mesh)
+    built = time.perf_counter() - start
+    ratios = cell_ratios(pattern, mesh, sizes[2])
+    return len(stage.active), built, iteration_seconds(stage), *ratios
+
+
+def against_macro(registry, native: xr.Dataset) -> list[str]:
+    """Macro over native force of the same strip."""
+    name = str(native["pattern"].values)
+    model = fs.MacroModel.from_dataset(registry.one(kind="fit", pattern=name))
+    length, width, direction = (
+        float(native[f"stage_{size}"]) for size in ("length", "width", "direction")
+    )
+    shortenings = native["shortening"].values
+    rig = StageRig(sheet_law(model), length=length, width=width, direction=direction)
+    n_macro = len(rig.problem(float(shortenings[-1])).active)
+    rows, times = [], []
+    for side in native["side"].values:
+        start = time.perf_counter()
+        macro = rig.test(shortenings, str(side))
+        times.append(time.perf_counter() - start)
+        one = native.sel(side=side)
+        for k, shortening in enumerate(shortenings):
+            force = float(one["stage_force"][k])
+            rows.append([
+                str(side), f"{shortening:g}", f"{force:.4f}", f"{macro.force[k]:.4f}",
+                f"{macro.force[k] / force:.3f}",
+                f"{macro.energy[k] / float(one['stage_energy'][k]):.3f}",
+                f"{float(one['stage_deflection'][k]):.2f}", f"{macro.deflection[k]:.2f}",
+                f"{int(one['stage_contact_pairs'][k])}", f"{float(one['stage_min_gap'][k]):.4f}",
+                f"{int(one['stage_newton_iterations'][k])}",
+            ])  # fmt: skip
+    sizes = (length, width, direction)
+    n_native, built, each, flat, free = costs_of(native.attrs["flexscale_config"], sizes)
+    counted = native["stage_newton_iterations"].sum("shortening").values
+    head = [
+        "side", "shortening [mm]", "native [N]", "macro [N]", "macro/native", "energy",
+        "deflection, native [mm]", "macro [mm]", "contact pairs", "smallest gap [mm]", "iterations",
+    ]  # fmt: skip
+    costs = [
+        [str(side), f"{int(n)}", f"{built + each * n:.0f}", f"{seconds:.1f}"]
+        for side, n, seconds in zip(native["side"].values, counted, times, strict=True)
+    ]
+    return [
+        f"## {name}: {length:g} x {width:g} mm, along {direction:g}°", "",
+        f"{int(native['n_scales'])} scales, pieces included. Unknowns: {n_native:,} "
+        f"native, {n_macro:,} macro. Cell of this mesh over the default's: {flat:.3f} where it is "
+        f"held flat across, {free:.3f} where it is free to curl.", "",
+        *table(head, rows),
+        f"The native strip is set up in {built:.0f} s; an iteration takes {each:.2f} s.", "",
+        *table(["side", "native iterations", "native [s]", "macro [s]"], costs),
+    ]  # fmt: skip
+
+
+def main() -> None:
+    """All native strips there are."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
+    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
+    parser.add_argument("--squares", action="store_true", help="also forces by mesh, on squares")
+    arguments = parser.parse_args()
+    registry = fs.open_registry(arguments.results)
+    rows = ["# Native strips on the stage", "", (__doc__ or "").split("\n\n")[2], ""]
+    for entry in registry.find(kind="native_rig"):
+        rows += against_macro(registry, registry.load(entry))
+    if arguments.squares:
+        rows += mesh_convergence()
+    report(rows, arguments.output)
+
+
+if __name__ == "__main__":
+    main()

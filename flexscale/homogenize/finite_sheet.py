@@ -1,0 +1,76 @@
+"""A rectangular sheet of whole and cut scales, held at its ends: what all ways to hold it share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexscale.errors import ConfigError, PatternError
+from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mesh.finite import build_finite_mesh
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns import Pattern
+from flexscale.patterns.clipped import SheetTiles
+from flexscale.solve.unconstrained import UnconstrainedSystem
+
+
+class FiniteSheet(CellProblem):
+    """A sheet whose scales are bodies; the same interface as the periodic cell.
+
+    Parameters
+    ----------
+    pattern : its scales are bodies, its sheet is C1.
+    tiles : the pattern on the sheet.
+    mesh, contact, scales : as for a cell.
+
+    Attributes
+    ----------
+    area : mm2, of the sheet.
+
+    Raises
+    ------
+    PatternError, MeshError : the sheet has no scale, or cannot be meshed.
+    """
+
+    def __init__(
+        self,
+        pattern: Pattern,
+        tiles: SheetTiles,
+        *,
+        mesh: MeshOptions | None = None,
+        contact: ContactOptions | None = None,
+        scales: ScaleOptions | None = None,
+        linear_solver: str = "auto",
+    ) -> None:
+        if scales is not None and scales.model != "modes":
+            raise ConfigError(
+                f"A native sheet has scales of few modes, not {scales.model!r}: leave the model "
+                "of the scales at 'modes'."
+            )
+        if not tiles.copies:
+            raise PatternError(
+                f"A sheet of {tiles.length:g} x {tiles.width:g} mm cuts all scales of the pattern "
+                "to slivers: make it larger, or the tiles smaller."
+            )
+        self.tiles = tiles
+        super().__init__(
+            build_finite_mesh(pattern, tiles, mesh),
+            CellModel.of_pattern(pattern, contact, linear_solver, scales=scales),
+        )
+        self.area = tiles.length * tiles.width
+        self.shift_mode = np.zeros(len(self.active))
+
+    def used_unknowns(self) -> np.ndarray:
+        """(n_unknowns,) whether an element or a scale depends on them; of S nothing need."""
+        cell, inner = self.embedding, self.embedding.inner
+        used = np.zeros(inner.n_unknowns, dtype=bool)
+        indptr, columns = inner.world_map.indptr, inner.world_map.columns
+        for row in np.unique(inner.shell.vectors):
+            used[columns[indptr[row] : indptr[row + 1]]] = True
+        n_bodies = int(cell.world_map.starts[-1])
+        return np.concatenate([np.full(n_bodies, True), used[3 * inner.n_nodes :]])
+
+    def build_system(self) -> None:
+        """Analyze the present pattern of nonzeros; what is held needs no constraint."""
+        self.system = UnconstrainedSystem(self.build_factorization(), self.pull_back.diagonal)

@@ -1,0 +1,171 @@
+"""Strips of scales on the stage over side and shortening, as a dataset."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexscale.datasets.build import NO_CONTACT_COMMENT
+from flexscale.datasets.build_sheets import build_rig_dataset
+from flexscale.errors import UnknownNameError, suggest
+from flexscale.homogenize.labels import pattern_scalars
+from flexscale.homogenize.line import SIDE_SIGNS
+from flexscale.homogenize.native_stage import NativeStage
+from flexscale.homogenize.stage_line import follow_shortenings
+from flexscale.homogenize.sweep import Checkpoint
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
+from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mesh.options import MeshOptions
+from flexscale.patterns import Pattern
+from flexscale.patterns.clipped import clip_pattern
+from flexscale.solve.newton import SolverOptions
+from flexscale.status import SolveStatus
+from flexscale.units import require_positive
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Variables of the stage that are entries of a sample, real and counted.
+_REAL = ("force", "energy", "deflection", "min_gap")
+_COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs")
+
+
+@dataclass(frozen=True)
+class ShorteningEvent:
+    """Progress: a sample is finished.
+
+    Attributes
+    ----------
+    done, total, n_failed : samples finished, in all, and not converged so far.
+    side, direction, shortening, status : the sample; degree and mm.
+    seconds : since the first side began.
+    """
+
+    done: int
+    total: int
+    n_failed: int
+    side: str
+    direction: float
+    shortening: float
+    status: SolveStatus
+    seconds: float
+
+
+def simulate_native_stage(
+    pattern: Pattern,
+    *,
+    length: float = 100.0,
+    width: float = 50.0,
+    shortenings: Sequence[float] = SHORTENINGS,
+    direction: float = 0.0,
+    sides: Sequence[str] = ("closing", "opening"),
+    mesh: MeshOptions | None = None,
+    contact: ContactOptions | None = None,
+    scales: ScaleOptions | None = None,
+    solver: SolverOptions | None = None,
+    checkpoint: Checkpoint | None = None,
+    on_sample: Callable[[ShorteningEvent], None] | None = None,
+) -> xr.Dataset:
+    """Bring the two hinges of a strip of the native model closer (Figs. 10, 11).
+
+    `simulate_stage` does the same with a macro model. Scales that an end cuts turn about its hinge
+    as one; the strip's sides are free. See `NativeStage`.
+
+    Parameters
+    ----------
+    pattern : the scale pattern.
+    length, width : mm; the hinges are at both ends of the length.
+    shortenings : mm, increasing from above 0.
+    direction : degree, of the strip's length in the pattern's coordinates.
+    sides : of "closing", "opening": to which the strip is bent at the first shortening.
+    mesh, contact, scales, solver : options, defaults if not given.
+    checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
+    on_sample : called as samples finish.
+
+    Returns
+    -------
+    xarray.Dataset of kind native_rig; samples that did not converge hold NaN and a `stage_status`.
+
+    Raises
+    ------
+    PatternError, MeshError : the strip cannot be cut from the pattern, or not be meshed.
+    BadInputError : shortenings that do not increase or reach the length, a size or direction out of
+        range, or an unknown side.
+    """
+    mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
+    contact = contact or ContactOptions()
+    asked = _checked(length, shortenings, sides)
+    stage = NativeStage(
+        pattern, clip_pattern(pattern, length, width, direction, glued=False), mesh=mesh,
+        contact=contact, scales=scales, linear_solver=solver.linear_solver,
+    )  # fmt: skip
+    samples: dict[str, list[dict[str, Any]]] = {side: [] for side in sides}
+    start, done, failed = time.perf_counter(), 0, 0
+    for side in sides:
+        for sample in _run_side(stage, asked, side, solver, checkpoint):
+            samples[side].append(sample)
+            status = SolveStatus(sample["status"])
+            done, failed = done + 1, failed + (status != SolveStatus.converged)
+            if on_sample:
+                on_sample(
+                    ShorteningEvent(
+                        done, len(sides) * len(asked), failed, side, direction,
+                        sample["shortening"], status, time.perf_counter() - start,
+                    )
+                )  # fmt: skip
+
+    def table(name: str, missing: float) -> np.ndarray:
+        return np.array([[s.get(name, missing) for s in row] for row in samples.values()])
+
+    arrays: dict[str, Any] = {name: table(name, np.nan) for name in _REAL}
+    arrays |= {name: table(name, 0).astype(np.int32) for name in _COUNTED}
+    arrays["status"] = table("status", 0).astype(np.int8)
+    sizes = {"length": length, "width": width, "direction": direction}
+    options = {
+        "mesh": mesh.to_config(),
+        "solver": solver.to_config(),
+        "contact": contact.to_config(),
+        "scales": (scales or ScaleOptions()).to_config(),
+    }
+    dataset = build_rig_dataset(
+        sides,
+        {"stage": {"shortening": asked, **sizes, **arrays}},
+        scalars=pattern_scalars(pattern, mesh),
+        config={"pattern": pattern.to_config(), **options},
+        kind="native_rig",
+        numbers={"n_scales": len(stage.tiles.copies), "n_unknowns": len(stage.active)},
+    )
+    if not contact.enabled:
+        dataset["stage_min_gap"].attrs["comment"] = NO_CONTACT_COMMENT
+    return dataset
+
+
+def _run_side(
+    stage: NativeStage,
+    shortenings: Sequence[float],
+    side: str,
+    solver: SolverOptions,
+    checkpoint: Checkpoint | None,
+) -> Iterator[dict[str, Any]]:
+    """Samples of one side, those kept before first."""
+    key = f"stage-{side}"
+    finished = [] if checkpoint is None else checkpoint.load(key)[: len(shortenings)]
+    yield from finished
+    for sample in follow_shortenings(stage, shortenings, side, solver, finished):
+        if checkpoint is not None:
+            checkpoint.append(key, sample)
+        yield sample
+
+
+def _checked(length: float, shortenings: Sequence[float], sides: Sequence[str]) -> list[float]:
+    """Shortenings [mm] that a strip of a length [mm] can be given, before anything is meshed."""
+    for side in sides:
+        if side not in SIDE_SIGNS:
+            raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDE_SIGNS)}")
+    length = require_positive(length, "strip length", "mm")
+    return [float(value) for value in require_shortenings(shortenings, length)]

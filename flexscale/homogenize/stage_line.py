@@ -1,0 +1,276 @@
+"""Continuation in the shortening of a native sheet between hinges, to one side.
+
+The first sample starts from an arc. Deflections grow with the root t of the shortening, so samples
+are followed in t: from one, along dz/d(shortening) or a parabola in t, to the next. Where scales
+would meet on that way, the far hinge is let go: a soft machine pulls it along, as far as the
+scales make room, and is then made hard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from flexscale.homogenize.cell_problem import CellState
+from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
+from flexscale.homogenize.native_stage import CarriedSheet, Machine, NativeStage
+from flexscale.mechanics.energy import CONTACT, FloatArray
+from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.status import SolveStatus
+
+_SMALLEST_STEP = 1.0 / 64.0  # of the way between two samples
+_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
+_PATIENCE = 12  # iterations after which a step above that is hard
+_EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
+_ARCS = 8  # times that the first shortening is quartered until scales are clear of one another
+_STARTS = 6  # times that the way is halved until scales are clear of one another
+_STIFFER = 10.0  # the softest machine, than the sheet
+_MACHINES = 4  # from the softest to the one that holds
+
+#: Of a sample: what a `_Point` keeps, in its order.
+_POINT = ("shortening", "state", "rate", "second_rate", "energy", "force", "contact_pairs")
+
+
+@dataclass
+class _Point:
+    """An equilibrium and what is known of the way on from there.
+
+    rate is dz/d(shortening); second_rate the change of dz/dt per t since the point before, or since
+    the flat sheet; energy in N mm, force in N.
+    """
+
+    shortening: float
+    z: FloatArray
+    rate: FloatArray
+    second_rate: FloatArray
+    energy: float
+    force: float
+    contact_pairs: int
+
+    @property
+    def root_rate(self) -> FloatArray:
+        """dz/dt, t the root of the shortening."""
+        return 2.0 * np.sqrt(self.shortening) * self.rate
+
+    def allowed_energy(self, shortening: float) -> float:
+        """Energy that a good start at a shortening beyond this one does not exceed, N mm."""
+        return _EXCESS * (self.energy + 2.0 * self.force * (shortening - self.shortening))
+
+    def ahead(self, shortening: float) -> list[FloatArray]:
+        """Starts beyond this point, the best guess first."""
+        straight = self.z + (shortening - self.shortening) * self.rate
+        span = np.sqrt(shortening) - np.sqrt(self.shortening)
+        return [self.z + span * self.root_rate + 0.5 * span**2 * self.second_rate, straight]
+
+
+def follow_shortenings(
+    stage: NativeStage,
+    shortenings: Sequence[float],
+    side: str,
+    options: SolverOptions,
+    finished: Sequence[dict[str, Any]] = (),
+) -> Iterator[dict[str, Any]]:
+    """Yield samples one after the other, those of `finished` left out.
+
+    A step that fails is halved. A sample that cannot be reached keeps its status, and those behind
+    it are `not_run`.
+
+    Parameters
+    ----------
+    shortenings : mm, increasing from above 0.
+    side : "closing" or "opening".
+
+    Yields
+    ------
+    dict with shortening [mm], status and, if converged, force [N], energy [N mm], deflection [mm]
+    to the outer side of the arc, counts, what contact is like, `state`, `rate` and `second_rate`.
+    """
+    sign = SIDE_SIGNS[side]
+    point: _Point | None = None
+    status = SolveStatus.converged
+    set_barrier(stage, None)
+    for sample in finished:
+        status = SolveStatus(sample["status"])
+        if status == SolveStatus.converged:
+            point = _Point(*(sample.get(name, 0) for name in _POINT))
+            set_barrier(stage, sample)
+    for shortening in shortenings[len(finished) :]:
+        sample = {"shortening": shortening, "status": int(SolveStatus.not_run)}
+        if status == SolveStatus.converged:
+            point, solution, iterations = _reach(stage, point, shortening, sign, options)
+            status = solution.status
+            sample |= {"status": int(status), "newton_iterations": iterations}
+        if status == SolveStatus.converged and point is not None:
+            sample |= _measure(stage, point, solution, sign)
+        yield sample
+        if status == SolveStatus.converged:
+            set_barrier(stage, sample)
+
+
+def _reach(
+    stage: NativeStage, point: _Point | None, shortening: float, sign: float, options: SolverOptions
+) -> tuple[_Point | None, Solution, int]:
+    """The point at a shortening, its solution, and iterations on the way to it."""
+    spent = 0
+    if point is None:
+        first, z = _clear_arc(stage, shortening, sign)
+        solution = solve_equilibrium(stage.carried(first, stage.hard), z, options)
+        spent = solution.iterations
+        if solution.status != SolveStatus.converged:
+            return None, solution, spent
+        point = _next_point(stage, None, first, solution)
+        if first == shortening:
+            return point, solution, spent
+    point, solution, iterations = _advance(stage, point, shortening, options)
+    return point, solution, spent + iterations
+
+
+def _clear_arc(stage: NativeStage, shortening: float, sign: float) -> tuple[float, FloatArray]:
+    """The asked shortening, or the first of its quarters at which no scales of an arc meet."""
+    rate = stage.bend_rate()
+    for _ in range(_ARCS):
+        z = stage.arc(rate, shortening, sign)
+        state = stage.carried(shortening, stage.hard).evaluate(z)
+        clear = stage.contact is None or not stage.contact.active_pairs(state.world.y)
+        if np.isfinite(state.energy) and clear and not _cut_through(stage, state.world.y):
+            break
+        shortening *= 0.25
+    return shortening, z
+
+
+def _cut_through(stage: NativeStage, y: FloatArray) -> bool:
+    return stage.contact is not None and stage.contact.intersects(y)
+
+
+def _next_point(
+    stage: NativeStage, before: _Point | None, shortening: float, solution: Solution
+) -> _Point:
+    state = solution.evaluation
+    rate = stage.carried(shortening, stage.hard).rate(state)
+    contact = stage.contact
+    pairs = 0 if contact is None else contact.active_pairs(state.world.y)
+    energy = float(state.parts.sum())
+    numbers = (energy, stage.force(state), pairs)
+    point = _Point(shortening, solution.z, rate, np.zeros_like(rate), *numbers)
+    root, slope = np.sqrt(shortening), point.root_rate
+    if before is None:  # the parabola that starts flat
+        moved = solution.z - stage.embedding.rest
+        point.second_rate = 2.0 * (root * slope - moved) / shortening
+    else:
+        point.second_rate = (slope - before.root_rate) / (root - np.sqrt(before.shortening))
+    return point
+
+
+def _advance(
+    stage: NativeStage, point: _Point, shortening: float, options: SolverOptions
+) -> tuple[_Point, Solution, int]:
+    """Continue from `point` to a shortening, in smaller steps where needed."""
+    start, span = point.shortening, shortening - point.shortening
+    done, share, spent = 0.0, 1.0, 0
+    short = replace(options, max_iterations=min(_PATIENCE, options.max_iterations))
+    while True:
+        share = min(share, 1.0 - done)
+        target = shortening if done + share >= 1.0 else start + (done + share) * span
+        predicted = _predict(stage, point, target)
+        cautious = share > _CAUTIOUS_STEP
+        if predicted is None and point.contact_pairs and cautious:
+            share *= 0.5
+            continue
+        if predicted is None:  # scales meet for the first time: no smaller step makes that easier
+            solution = _pull(stage, point, target, options)
+        else:
+            carried = stage.carried(target, stage.hard)
+            solution = solve_equilibrium(carried, predicted, short if cautious else options)
+        spent += solution.iterations
+        if solution.status == SolveStatus.converged:
+            point = _next_point(stage, point, target, solution)
+            done += share
+            share *= 2.0
+            if target == shortening:
+                return point, solution, spent
+        else:
+            share *= 0.5
+            if share < _SMALLEST_STEP:
+                return point, solution, spent
+
+
+def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | None:
+    """The start of least energy at a target; None if scales would meet on the way to all of them,
+    or if all are so far from equilibrium that a smaller step is the faster way."""
+    carried = stage.carried(target, stage.hard)
+    y = stage.embedding.world_map.place(point.z, carried.bend).y
+    best, lowest = None, point.allowed_energy(target)
+    for start in point.ahead(target):
+        state = carried.evaluate(stage.moved(start, target))
+        contact = stage.contact
+        free = contact is None or contact.free_share(y, state.world.y) >= 1.0
+        if state.energy <= lowest and free:
+            best, lowest = state, state.energy
+    if best is None or (point.contact_pairs and _is_crumpled(carried, best)):
+        return None
+    return best.z
+
+
+def _is_crumpled(carried: CarriedSheet, state: CellState) -> bool:
+    """Whether energy curves downward, and not by contact alone: from such a start Newton's method
+    takes small steps, each with a Hessian that is not the true one."""
+    return carried.system.factorize(carried.hessian_values(state, CONTACT)) > 0
+
+
+def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptions) -> Solution:
+    """Equilibrium at a target, the far hinge pulled there by a machine that gets harder.
+
+    It starts as far along the way as scales are clear of one another, and the sheet is not
+    crumpled. The softest machine is some
+    times as stiff as the sheet has been on average, 2 E / shortening^2, which is positive whatever
+    the force is; its spring is as long as the force before asks for.
+    """
+    z, n_far = _clear_start(stage, point, target), len(stage.far)
+    softest = 2.0 * _STIFFER * point.energy / point.shortening**2 / n_far
+    iterations = 0
+    for stiffness in np.geomspace(softest, stage.hard, _MACHINES):
+        stretch = point.force / (n_far * stiffness)
+        machine = Machine(stage.tiles.length - target - stretch, float(stiffness))
+        solution = solve_equilibrium(CarriedSheet(stage, machine), z, options)
+        iterations += solution.iterations
+        z = solution.z
+        if solution.status != SolveStatus.converged:
+            break
+    return replace(solution, iterations=iterations)
+
+
+def _clear_start(stage: NativeStage, point: _Point, target: float) -> FloatArray:
+    """The guess at the target, or half, a quarter, … of the way to it, that is a fair start."""
+    carried = stage.carried(target, stage.hard)
+    y = stage.embedding.world_map.place(point.z, carried.bend).y
+    for k in range(_STARTS):
+        part = point.shortening + 0.5**k * (target - point.shortening)
+        state = carried.evaluate(stage.moved(point.ahead(part)[0], part))
+        free = stage.contact is None or stage.contact.free_share(y, state.world.y) >= 1.0
+        if free and np.isfinite(state.energy) and not _is_crumpled(carried, state):
+            return state.z
+    return point.z
+
+
+def _measure(stage: NativeStage, point: _Point, solution: Solution, sign: float) -> dict[str, Any]:
+    """The numbers of a sample, and what the next one starts from."""
+    state = solution.evaluation
+    numbers: dict[str, Any] = {
+        name: getattr(point, "z" if name == "state" else name) for name in _POINT
+    }
+    numbers |= {
+        "deflection": -sign * stage.deflection(point.z),
+        "residual_norm": solution.residual_norm,
+        "negative_eigenvalues": solution.negative_eigenvalues,
+    }
+    if stage.contact is not None:
+        y = state.world.y
+        numbers["min_gap"] = stage.contact.smallest_distance(y, 2.0 * stage.model.gap)
+        numbers["contact_force"] = stage.contact.force(y)
+        numbers["barrier_stiffness"] = stage.contact.stiffness
+    for name, part in zip(stage.part_names, state.parts, strict=True):
+        numbers[f"energy_{name}"] = float(part)
+    return numbers

@@ -26,7 +26,6 @@ SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
 _SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
 _PATIENCE = 10  # iterations after which a step above that is hard
-_NEAR = 1e-3  # Newton decrement, relative to the energy, below which a hard step is gone on with
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
 
@@ -239,11 +238,6 @@ class _Way:
         self.unstable += solution.unstable_iterations
 
 
-def _is_near(solution: Solution) -> bool:
-    """Whether a solve that ran out of iterations is so far that to go on is best."""
-    return solution.decrement <= _NEAR * abs(solution.evaluation.energy)
-
-
 def _advance(
     problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
 ) -> tuple[_Point, Solution, _Way]:
@@ -265,7 +259,7 @@ def _advance(
             predicted, patience = _squeeze(problem, line, point, target), options
         solution = _solve(problem, line, target, predicted, patience)
         way.count(solution)
-        if solution.status == SolveStatus.max_iterations and _is_near(solution):
+        if solution.status == SolveStatus.max_iterations and solution.is_near:
             solution = _solve(problem, line, target, solution.z, options)
             way.count(solution)
         if solution.status == SolveStatus.converged:

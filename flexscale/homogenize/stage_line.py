@@ -1,9 +1,8 @@
 """Continuation in the shortening of a native sheet between hinges, to one side.
 
 The first sample starts from an arc. Deflections grow with the root t of the shortening, so samples
-are followed in t: from one, along dz/d(shortening) or a parabola in t, to the next. Where scales
-would meet on that way, the far hinge is let go: a soft machine pulls it along, as far as the
-scales make room, and is then made hard.
+are followed in t: from one, along dz/d(shortening) or a parabola in t, to the next. Scales that
+would meet on that way are kept apart.
 """
 
 from __future__ import annotations
@@ -14,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from flexscale.homogenize.cell_problem import CellState
 from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
-from flexscale.homogenize.native_stage import CarriedSheet, Machine, NativeStage
-from flexscale.mechanics.energy import CONTACT, FloatArray
+from flexscale.homogenize.native_stage import NativeStage
+from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 
@@ -26,9 +24,6 @@ _CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is ha
 _PATIENCE = 12  # iterations after which a step above that is hard
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _ARCS = 8  # times that the first shortening is quartered until scales are clear of one another
-_STARTS = 6  # times that the way is halved until scales are clear of one another
-_STIFFER = 10.0  # the softest machine, than the sheet
-_MACHINES = 4  # from the softest to the one that holds
 
 #: Of a sample: what a `_Point` keeps, in its order.
 _POINT = ("shortening", "state", "rate", "second_rate", "energy", "force", "contact_pairs")
@@ -174,17 +169,19 @@ def _advance(
     while True:
         share = min(share, 1.0 - done)
         target = shortening if done + share >= 1.0 else start + (done + share) * span
-        predicted = _predict(stage, point, target)
+        start_of_step = _predict(stage, point, target)
         cautious = share > _CAUTIOUS_STEP
-        if predicted is None and point.contact_pairs and cautious:
+        if start_of_step is None:
             share *= 0.5
-            continue
-        if predicted is None:  # scales meet for the first time: no smaller step makes that easier
-            solution = _pull(stage, point, target, options)
-        else:
-            carried = stage.carried(target, stage.hard)
-            solution = solve_equilibrium(carried, predicted, short if cautious else options)
+            if share >= _SMALLEST_STEP:
+                continue
+            start_of_step = stage.moved(point.z, target)
+        carried = stage.carried(target, stage.hard)
+        solution = solve_equilibrium(carried, start_of_step, short if cautious else options)
         spent += solution.iterations
+        if solution.status == SolveStatus.max_iterations and solution.is_near:
+            solution = solve_equilibrium(carried, solution.z, options)
+            spent += solution.iterations
         if solution.status == SolveStatus.converged:
             point = _next_point(stage, point, target, solution)
             done += share
@@ -198,61 +195,24 @@ def _advance(
 
 
 def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | None:
-    """The start of least energy at a target; None if scales would meet on the way to all of them,
-    or if all are so far from equilibrium that a smaller step is the faster way."""
+    """The start of least energy at a target; None if scales would meet on the way to all of them
+    and cannot be kept apart, or if all are so far from equilibrium that a smaller step is the
+    faster way."""
     carried = stage.carried(target, stage.hard)
-    y = stage.embedding.world_map.place(point.z, carried.bend).y
+    here = stage.carried(point.shortening, stage.hard)
+    origin = here.evaluate(point.z)
     best, lowest = None, point.allowed_energy(target)
     for start in point.ahead(target):
         state = carried.evaluate(stage.moved(start, target))
-        contact = stage.contact
-        free = contact is None or contact.free_share(y, state.world.y) >= 1.0
+        free = carried.free_share(origin, state) >= 1.0
         if state.energy <= lowest and free:
-            best, lowest = state, state.energy
-    if best is None or (point.contact_pairs and _is_crumpled(carried, best)):
-        return None
-    return best.z
-
-
-def _is_crumpled(carried: CarriedSheet, state: CellState) -> bool:
-    """Whether energy curves downward, and not by contact alone: from such a start Newton's method
-    takes small steps, each with a Hessian that is not the true one."""
-    return carried.system.factorize(carried.hessian_values(state, CONTACT)) > 0
-
-
-def _pull(stage: NativeStage, point: _Point, target: float, options: SolverOptions) -> Solution:
-    """Equilibrium at a target, the far hinge pulled there by a machine that gets harder.
-
-    It starts as far along the way as scales are clear of one another, and the sheet is not
-    crumpled. The softest machine is some
-    times as stiff as the sheet has been on average, 2 E / shortening^2, which is positive whatever
-    the force is; its spring is as long as the force before asks for.
-    """
-    z, n_far = _clear_start(stage, point, target), len(stage.far)
-    softest = 2.0 * _STIFFER * point.energy / point.shortening**2 / n_far
-    iterations = 0
-    for stiffness in np.geomspace(softest, stage.hard, _MACHINES):
-        stretch = point.force / (n_far * stiffness)
-        machine = Machine(stage.tiles.length - target - stretch, float(stiffness))
-        solution = solve_equilibrium(CarriedSheet(stage, machine), z, options)
-        iterations += solution.iterations
-        z = solution.z
-        if solution.status != SolveStatus.converged:
-            break
-    return replace(solution, iterations=iterations)
-
-
-def _clear_start(stage: NativeStage, point: _Point, target: float) -> FloatArray:
-    """The guess at the target, or half, a quarter, … of the way to it, that is a fair start."""
-    carried = stage.carried(target, stage.hard)
-    y = stage.embedding.world_map.place(point.z, carried.bend).y
-    for k in range(_STARTS):
-        part = point.shortening + 0.5**k * (target - point.shortening)
-        state = carried.evaluate(stage.moved(point.ahead(part)[0], part))
-        free = stage.contact is None or stage.contact.free_share(y, state.world.y) >= 1.0
-        if free and np.isfinite(state.energy) and not _is_crumpled(carried, state):
-            return state.z
-    return point.z
+            best, lowest = state.z, state.energy
+    if best is not None or here.system.factorize(here.hessian_values(origin)) > 0:
+        return best
+    apart = carried.keep_apart(origin, stage.moved(point.ahead(target)[0], target))
+    if apart is not None and carried.evaluate(apart).energy <= lowest:
+        return apart
+    return None
 
 
 def _measure(stage: NativeStage, point: _Point, solution: Solution, sign: float) -> dict[str, Any]:

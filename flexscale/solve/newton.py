@@ -23,6 +23,7 @@ from flexscale.units import require_positive
 
 CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
 _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned aside not shortened
+NEAR = 1e-3  # Newton decrement, relative to the energy, that is near an equilibrium
 NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
@@ -124,6 +125,11 @@ class Solution:
     saddles_left: int = 0
     unstable_iterations: int = 0
     decrement: float = np.inf
+
+    @property
+    def is_near(self) -> bool:
+        """Whether a solve that ran out of iterations came so far that to go on is best."""
+        return self.decrement <= NEAR * abs(self.evaluation.energy)
 
 
 @dataclass

@@ -29,14 +29,6 @@ _PATIENCE = 10  # iterations after which a step above that is hard
 _EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
 _TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
 
-#: Shares of the step along dz/dkappa, and of the room that scales may need, tried one by one.
-_SQUEEZES = (
-    *((1.0, stretch) for stretch in (0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0)),
-    (0.5, 1.0),
-    (0.0, 1.0),
-    (0.0, 0.0),
-)
-
 _POINT = (
     "curvature",
     "state",
@@ -250,13 +242,12 @@ def _advance(
         share = min(share, 1.0 - done)
         target = curvature if done + share >= 1.0 else start + (done + share) * span
         predicted = _predict(problem, line, point, target)
-        cautious = share > _SMALLEST_CAUTIOUS_STEP
-        if predicted is None and point.contact_pairs and cautious:
+        patience = short if share > _SMALLEST_CAUTIOUS_STEP else options
+        if predicted is None:
             share *= 0.5
-            continue
-        patience = short if cautious else options
-        if predicted is None:  # scales meet for the first time: no smaller step makes that easier
-            predicted, patience = _squeeze(problem, line, point, target), options
+            if share >= _SMALLEST_STEP:
+                continue
+            predicted = point.z
         solution = _solve(problem, line, target, predicted, patience)
         way.count(solution)
         if solution.status == SolveStatus.max_iterations and solution.is_near:
@@ -305,8 +296,8 @@ def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> 
     if best is None:
         apart = _keep_apart(problem, line, point, target, straight)
         if apart is not None:
-            energy = problem.bent(line.bend(target)).evaluate(apart).energy / problem.area
-            return apart if energy <= lowest else None
+            energy = problem.bent(line.bend(target)).evaluate(apart).energy
+            return apart if np.isfinite(energy) else None
     return best
 
 
@@ -329,23 +320,6 @@ def _is_free(problem: CellProblem, line: Line, point: _Point, state: CellState) 
         return True
     start = problem.embedding.world_map.place(point.z, line.bend(point.curvature)).y
     return problem.contact.free_share(start, state.world.y) >= 1.0
-
-
-def _squeeze(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray:
-    """Start at `target` along dz/dkappa, all scales moved apart along the bend until none meet.
-
-    By itself a scale of height h comes nearer to its neighbor by its change of curvature times h.
-    They are moved no further than needed: a start that lets go of all contact is a poor one. Where
-    they meet all the same, the start is not admissible: its entries are NaN.
-    """
-    span = target - point.curvature
-    room = span * problem.mesh.scale_height
-    for share, stretch in _SQUEEZES:
-        z = point.z + share * span * point.rate
-        z = problem.embedding.stretched(z, line.bend(target).direction, stretch * room)
-        if _is_free(problem, line, point, problem.bent(line.bend(target)).evaluate(z)):
-            return z
-    return np.full_like(point.z, np.nan)
 
 
 def _measure(

@@ -1,6 +1,6 @@
 """Strips on the stage: the native model against the macro model, by shortening and side (Fig. 11).
 
-    python benchmarks/native_stage.py --results DIR [--squares] [--output FILE]
+    python benchmarks/native_stage.py --results DIR [--output FILE]
 
 Strips of scales are the native_rig datasets of DIR, made by `flexscale run
 workflows/native_rigs.yaml`; macro models are fits of DIR. Both strips have the same hinges, sizes
@@ -10,6 +10,7 @@ strip. A strip that is a few cells wide has few rows of scales whose neighbors a
 which the macro model cannot know. Times are of one core, all of them taken in one run: the macro
 strip from flat to its last shortening, and an iteration of Newton's method on the native strip
 (energy, gradient, Hessian, factorization, solution), times the iterations that the dataset counts.
+At last, squares by mesh. A picture of each strip, native_stage_PATTERN.png, goes beside the page.
 """
 
 from __future__ import annotations
@@ -25,11 +26,13 @@ import xarray as xr
 from report import report
 
 import flexscale as fs
+from flexscale.datasets.registry import Registry
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.homogenize.stage_line import follow_shortenings
 from flexscale.macro.simulate import sheet_law
 from flexscale.macro.stage import StageRig
 from flexscale.patterns.clipped import clip_pattern
+from flexscale.plotting.rigs import compared_stages
 from flexscale.solve.newton import SolverOptions
 
 REPEATS = 3
@@ -108,8 +111,16 @@ def costs_of(
     return len(stage.active), built, iteration_seconds(stage), *ratios
 
 
-def against_macro(registry, native: xr.Dataset) -> list[str]:
-    """Macro over native force of the same strip."""
+def picture(native: xr.Dataset, forces: list[np.ndarray], path: Path) -> None:
+    """Force against shortening by both models; macro forces (n_shortenings,) [N] a side."""
+    macro = native[["stage_force", "stage_status", "stage_direction"]].copy(deep=True)
+    macro["stage_force"].values = np.array(forces)
+    macro["stage_status"].values = np.where(np.isfinite(forces), 0, 1).astype(np.int8)
+    compared_stages(native, macro).savefig(path, dpi=150)
+
+
+def against_macro(registry: Registry, native: xr.Dataset, folder: Path | None) -> list[str]:
+    """Macro over native force of the same strip; the picture goes to the folder."""
     name = str(native["pattern"].values)
     model = fs.MacroModel.from_dataset(registry.one(kind="fit", pattern=name))
     length, width, direction = (
@@ -118,11 +129,12 @@ def against_macro(registry, native: xr.Dataset) -> list[str]:
     shortenings = native["shortening"].values
     rig = StageRig(sheet_law(model), length=length, width=width, direction=direction)
     n_macro = len(rig.problem(float(shortenings[-1])).active)
-    rows, times = [], []
+    rows, times, forces = [], [], []
     for side in native["side"].values:
         start = time.perf_counter()
         macro = rig.test(shortenings, str(side))
         times.append(time.perf_counter() - start)
+        forces.append(macro.force)
         one = native.sel(side=side)
         for k, shortening in enumerate(shortenings):
             force = float(one["stage_force"][k])
@@ -134,6 +146,8 @@ def against_macro(registry, native: xr.Dataset) -> list[str]:
                 f"{int(one['stage_contact_pairs'][k])}", f"{float(one['stage_min_gap'][k]):.4f}",
                 f"{int(one['stage_newton_iterations'][k])}",
             ])  # fmt: skip
+    if folder is not None:
+        picture(native, forces, folder / f"native_stage_{name}.png")
     sizes = (length, width, direction)
     n_native, built, each, flat, free = costs_of(native.attrs["flexscale_config"], sizes)
     counted = native["stage_newton_iterations"].sum("shortening").values
@@ -161,14 +175,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
     parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    parser.add_argument("--squares", action="store_true", help="also forces by mesh, on squares")
     arguments = parser.parse_args()
     registry = fs.open_registry(arguments.results)
     rows = ["# Native strips on the stage", "", (__doc__ or "").split("\n\n")[2], ""]
+    folder = arguments.output.parent if arguments.output else None
     for entry in registry.find(kind="native_rig"):
-        rows += against_macro(registry, registry.load(entry))
-    if arguments.squares:
-        rows += mesh_convergence()
+        rows += against_macro(registry, registry.load(entry), folder)
+    rows += mesh_convergence()
     report(rows, arguments.output)
 
 

@@ -143,7 +143,7 @@ def _build_body(
         if affine:
             modes = np.zeros((places.size, 0))
         if modes is None:
-            modes = _modes(stiffness, own.toarray(), places, cutoff)
+            modes = _modes(stiffness, own, places, cutoff)
         fields = np.concatenate([_strain_fields(places), modes], axis=1)
         product = _symmetric(fields.T @ (stiffness @ fields))
         kind = _Modes(places, n_loads, modes.reshape(*places.shape, -1), product)
@@ -267,47 +267,54 @@ def _columns(weights: sp.csr_array, directions: FloatArray) -> sp.csr_array:
 
 
 def _modes(
-    stiffness: sp.csr_array, loads: FloatArray, places: FloatArray, cutoff: float
+    stiffness: sp.csr_array, loads: sp.csc_array, places: FloatArray, cutoff: float
 ) -> FloatArray:
-    """(3 n, k) modes of unit energy without their affine parts."""
-    n = len(places)
+    """(3 n, k) modes of unit energy without their affine parts, for loads (3 n, n_loads)."""
+    n, n_loads = len(places), loads.shape[1]
     affine = np.zeros((n, 3, 12))
     for c in range(3):
         affine[:, c, c] = 1.0
         affine[:, c, 3 + 3 * c : 6 + 3 * c] = places
     basis = np.linalg.qr(affine.reshape(3 * n, 12))[0]
-    turns = np.zeros((n, 3, 6))
-    for c in range(3):
-        turns[:, c, c] = 1.0
-        axis = np.zeros(3)
-        axis[c] = 1.0
-        turns[:, :, 3 + c] = np.cross(axis, places)
-    rigid = np.linalg.qr(turns.reshape(3 * n, 6))[0]
-    balanced = loads - rigid @ (rigid.T @ loads)
-    response = _solve(stiffness, balanced, places)
-    response -= rigid @ (rigid.T @ response)
-    values, vectors = np.linalg.eigh(_symmetric(balanced.T @ response))
+    respond = _Responses(stiffness, places)
+    compliance = np.empty((n_loads, n_loads))
+    # Responses to all loads at once would be most of the memory that a cell takes.
+    for start in range(0, n_loads, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        compliance[:, part] = loads.T @ respond(loads[:, part].toarray())
+    values, vectors = np.linalg.eigh(_symmetric(compliance))
     values, vectors = values[::-1], vectors[:, ::-1]
     count = int(np.count_nonzero(values > cutoff))
     while 0 < count < len(values) and values[count] > (1.0 - _SAME) * values[count - 1]:
         count += 1
-    modes = response @ (vectors[:, :count] / np.sqrt(values[:count]))
+    modes = respond(loads @ (vectors[:, :count] / np.sqrt(values[:count])))
     return np.asarray(modes - basis @ (basis.T @ modes))
 
 
-def _solve(stiffness: sp.csr_array, loads: FloatArray, places: FloatArray) -> FloatArray:
-    """A displacement under each balanced load (3 n, k); rigid motions are left open."""
-    held = _three_points(places)
-    free = np.setdiff1d(np.arange(len(loads)), held)
-    upper = sp.csr_array(sp.triu(stiffness[free][:, free]))
-    upper.sort_indices()
-    factorization = build_factorization(upper.indptr, upper.indices)
-    factorization.factorize(upper.data)
-    out = np.zeros_like(loads)
-    for start in range(0, loads.shape[1], _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        out[free, part] = factorization.solve(loads[free, part], refine=False)
-    return out
+class _Responses:
+    """Displacements of a free body under loads, both without their rigid parts."""
+
+    def __init__(self, stiffness: sp.csr_array, places: FloatArray) -> None:
+        n = len(places)
+        turns = np.zeros((n, 3, 6))
+        for c in range(3):
+            axis = np.eye(3)[c]
+            turns[:, c, c] = 1.0
+            turns[:, :, 3 + c] = np.cross(axis, places)
+        self._rigid = np.linalg.qr(turns.reshape(3 * n, 6))[0]
+        # Balanced loads leave no force where six components are held.
+        self._free = np.setdiff1d(np.arange(3 * n), _three_points(places))
+        upper = sp.csr_array(sp.triu(stiffness[self._free][:, self._free]))
+        upper.sort_indices()
+        self._factorization = build_factorization(upper.indptr, upper.indices)
+        self._factorization.factorize(upper.data)
+
+    def __call__(self, loads: FloatArray) -> FloatArray:
+        """(3 n, k) under loads (3 n, k)."""
+        balanced = loads - self._rigid @ (self._rigid.T @ loads)
+        out = np.zeros_like(balanced)
+        out[self._free] = self._factorization.solve(balanced[self._free], refine=False)
+        return np.asarray(out - self._rigid @ (self._rigid.T @ out))
 
 
 def _three_points(places: FloatArray) -> IntArray:

@@ -310,7 +310,9 @@ class _Responses:
         self._factorization.factorize(upper.data)
 
     def __call__(self, loads: FloatArray) -> FloatArray:
-        """(3 n, k) under loads (3 n, k)."""
+        """(3 n, k) under loads (3 n, k), of which there may be none: rigid scales have no modes."""
+        if loads.shape[1] == 0:
+            return np.zeros_like(loads)
         balanced = loads - self._rigid @ (self._rigid.T @ loads)
         out = np.zeros_like(balanced)
         out[self._free] = self._factorization.solve(balanced[self._free], refine=False)

@@ -47,6 +47,5 @@ def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
         f"Macro over native energy: {shown}.",
         f"The native sheet has {int(facts['n_scales'])} scales and {int(facts['n_unknowns']):,} "
         "unknowns. Its mesh is half as fine as that of the cells the macro model is fitted to, "
-        "which makes it stiffer; results/reference/benchmarks/large_sheet.md has by how much, and "
-        "what its ends and free sides do.",
+        "which makes it stiffer: results/reference/benchmarks/large_sheet.md has by how much.",
     ]

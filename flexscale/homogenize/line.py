@@ -250,8 +250,10 @@ def _advance(
             predicted = point.z
         solution = _solve(problem, line, target, predicted, patience)
         way.count(solution)
-        if solution.status == SolveStatus.max_iterations and solution.is_near:
-            solution = _solve(problem, line, target, solution.z, options)
+        more = options.max_iterations - patience.max_iterations
+        if solution.status == SolveStatus.max_iterations and solution.is_near and more > 0:
+            rest = replace(options, max_iterations=more)
+            solution = _solve(problem, line, target, solution.z, rest)
             way.count(solution)
         if solution.status == SolveStatus.converged:
             point = _next_point(problem, line, point, target, solution)

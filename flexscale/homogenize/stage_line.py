@@ -177,10 +177,13 @@ def _advance(
                 continue
             start_of_step = stage.moved(point.z, target)
         carried = stage.carried(target, stage.hard)
-        solution = solve_equilibrium(carried, start_of_step, short if cautious else options)
+        patience = short if cautious else options
+        solution = solve_equilibrium(carried, start_of_step, patience)
         spent += solution.iterations
-        if solution.status == SolveStatus.max_iterations and solution.is_near:
-            solution = solve_equilibrium(carried, solution.z, options)
+        more = options.max_iterations - patience.max_iterations
+        if solution.status == SolveStatus.max_iterations and solution.is_near and more > 0:
+            rest = replace(options, max_iterations=more)
+            solution = solve_equilibrium(carried, solution.z, rest)
             spent += solution.iterations
         if solution.status == SolveStatus.converged:
             point = _next_point(stage, point, target, solution)

@@ -10,7 +10,7 @@ whether there is more than one branch.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium, solve_within
 from flexscale.status import SolveStatus
 
 SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
@@ -224,11 +224,6 @@ class _Way:
     iterations: int = 0
     unstable: int = 0
 
-    def count(self, solution: Solution) -> None:
-        """Add a solve."""
-        self.iterations += solution.iterations
-        self.unstable += solution.unstable_iterations
-
 
 def _advance(
     problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
@@ -237,24 +232,20 @@ def _advance(
     span = curvature - point.curvature
     done, share, way = 0.0, 1.0, _Way()
     start = point.curvature
-    short = replace(options, max_iterations=min(_PATIENCE, options.max_iterations))
     while True:
         share = min(share, 1.0 - done)
         target = curvature if done + share >= 1.0 else start + (done + share) * span
         predicted = _predict(problem, line, point, target)
-        patience = short if share > _SMALLEST_CAUTIOUS_STEP else options
         if predicted is None:
             share *= 0.5
             if share >= _SMALLEST_STEP:
                 continue
             predicted = point.z
-        solution = _solve(problem, line, target, predicted, patience)
-        way.count(solution)
-        more = options.max_iterations - patience.max_iterations
-        if solution.status == SolveStatus.max_iterations and solution.is_near and more > 0:
-            rest = replace(options, max_iterations=more)
-            solution = _solve(problem, line, target, solution.z, rest)
-            way.count(solution)
+        patience = _PATIENCE if share > _SMALLEST_CAUTIOUS_STEP else options.max_iterations
+        cell = problem.bent(line.bend(target))
+        solution = solve_within(cell, predicted, patience, options)
+        way.iterations += solution.iterations
+        way.unstable += solution.unstable_iterations
         if solution.status == SolveStatus.converged:
             point = _next_point(problem, line, point, target, solution)
             done += share

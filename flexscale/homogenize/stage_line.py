@@ -8,7 +8,7 @@ would meet on that way are kept apart.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium, solve_within
 from flexscale.status import SolveStatus
 
 _SMALLEST_STEP = 1.0 / 64.0  # of the way between two samples
@@ -165,26 +165,19 @@ def _advance(
     """Continue from `point` to a shortening, in smaller steps where needed."""
     start, span = point.shortening, shortening - point.shortening
     done, share, spent = 0.0, 1.0, 0
-    short = replace(options, max_iterations=min(_PATIENCE, options.max_iterations))
     while True:
         share = min(share, 1.0 - done)
         target = shortening if done + share >= 1.0 else start + (done + share) * span
         start_of_step = _predict(stage, point, target)
-        cautious = share > _CAUTIOUS_STEP
         if start_of_step is None:
             share *= 0.5
             if share >= _SMALLEST_STEP:
                 continue
             start_of_step = stage.moved(point.z, target)
+        patience = _PATIENCE if share > _CAUTIOUS_STEP else options.max_iterations
         carried = stage.carried(target, stage.hard)
-        patience = short if cautious else options
-        solution = solve_equilibrium(carried, start_of_step, patience)
+        solution = solve_within(carried, start_of_step, patience, options)
         spent += solution.iterations
-        more = options.max_iterations - patience.max_iterations
-        if solution.status == SolveStatus.max_iterations and solution.is_near and more > 0:
-            rest = replace(options, max_iterations=more)
-            solution = solve_equilibrium(carried, solution.z, rest)
-            spent += solution.iterations
         if solution.status == SolveStatus.converged:
             point = _next_point(stage, point, target, solution)
             done += share

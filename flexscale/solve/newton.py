@@ -10,7 +10,7 @@ eigenvalues is a saddle: it is left along the mode whose eigenvalue is nearest t
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,7 +23,7 @@ from flexscale.units import require_positive
 
 CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
 _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned aside not shortened
-NEAR = 1e-3  # Newton decrement, relative to the energy, that is near an equilibrium
+NEAR = 1e-3  # Newton decrement, relative to the energy, from which on to go on is best
 NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
@@ -126,11 +126,6 @@ class Solution:
     unstable_iterations: int = 0
     decrement: float = np.inf
 
-    @property
-    def is_near(self) -> bool:
-        """Whether a solve that ran out of iterations came so far that to go on is best."""
-        return self.decrement <= NEAR * abs(self.evaluation.energy)
-
 
 @dataclass
 class _Penalty:
@@ -165,6 +160,25 @@ def solve_equilibrium(
         if abs(offset) <= OFFSET_TOLERANCE:
             return solution
         z = solution.z
+
+
+def solve_within(
+    problem: Objective, z: FloatArray, patience: int, options: SolverOptions
+) -> Solution:
+    """As `solve_equilibrium`, given up after `patience` iterations unless it is near by then."""
+    first = min(patience, options.max_iterations)
+    solution = solve_equilibrium(problem, z, replace(options, max_iterations=first))
+    more = options.max_iterations - first
+    near = solution.decrement <= NEAR * abs(solution.evaluation.energy)
+    if solution.status != SolveStatus.max_iterations or not near or more == 0:
+        return solution
+    rest = solve_equilibrium(problem, solution.z, replace(options, max_iterations=more))
+    return replace(
+        rest,
+        iterations=solution.iterations + rest.iterations,
+        saddles_left=solution.saddles_left + rest.saddles_left,
+        unstable_iterations=solution.unstable_iterations + rest.unstable_iterations,
+    )
 
 
 def _make_feasible(problem: Objective, z: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ import resource
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 from report import report
@@ -110,7 +111,7 @@ def table(results: list[dict[str, float]]) -> list[str]:
 def main() -> None:
     """Print the table, and write it if asked."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--output", help="write the table to this Markdown file too")
+    parser.add_argument("--output", type=Path, help="write the table to this Markdown file too")
     parser.add_argument("--one", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.one:

@@ -19,7 +19,8 @@ import numpy as np
 from report import output_file, report
 
 import flexscale as fs
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.shell import HctShell

@@ -16,7 +16,8 @@ from dataclasses import replace
 from report import output_file, report
 
 import flexscale as fs
-from flexscale.homogenize.cell_problem import CellProblem, plate_stiffness
+from flexscale.homogenize.cell_model import plate_stiffness
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.solve.newton import SolverOptions
 

@@ -17,7 +17,8 @@ import numpy as np
 from report import output_file, report
 
 import flexscale as fs
-from flexscale.homogenize.cell_problem import CellProblem, plate_stiffness
+from flexscale.homogenize.cell_model import plate_stiffness
+from flexscale.homogenize.cell_problem import CellProblem
 
 D = plate_stiffness(fs.TPU, 0.4)
 ANGLES = np.arange(0.0, 180.0, 5.0)

@@ -18,7 +18,8 @@ from report import output_file, report
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem, plate_stiffness
+from flexscale.homogenize.cell_model import plate_stiffness
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import solve_tangent
 
 DEFAULT = fs.MeshOptions()

@@ -20,7 +20,8 @@ from report import output_file, report
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellModel, CellProblem, plate_stiffness
+from flexscale.homogenize.cell_model import CellModel, plate_stiffness
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.torus import build_mesh
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,9 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
+from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.keep_apart import keep_apart
-from flexscale.homogenize.scale_modes import SheetSupport, build_bodies
+from flexscale.homogenize.scale_modes import build_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.contact import ContactSurface, ScaleContact, barrier_stiffness
 from flexscale.mechanics.contact_options import ContactOptions
@@ -34,11 +35,6 @@ from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import Factorization, build_factorization
 from flexscale.solve.ordering import elimination_order
 from flexscale.solve.unconstrained import UnconstrainedSystem
-
-
-def plate_stiffness(material: NeoHookean, thickness: float) -> float:
-    """D = E t^3 / 12 (1 - nu^2) [N mm]."""
-    return material.young_modulus * thickness**3 / (12.0 * (1.0 - material.poisson_ratio**2))
 
 
 def _build_tets(embedding: CellEmbedding, material: NeoHookean) -> NeoHookeanTets:
@@ -80,67 +76,6 @@ class CellState:
     energy: float
     forces: FloatArray
     gradient: FloatArray
-
-
-@dataclass(frozen=True)
-class CellModel:
-    """What a cell is made of, and how it is solved; with a mesh it makes a `CellProblem`.
-
-    Attributes
-    ----------
-    substrate_material, scale_material : Neo-Hookean solids.
-    substrate_thickness : mm.
-    gap : mm, between scales at rest; sets the length scale of contact.
-    bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
-    contact : how scales touch.
-    linear_solver : "auto", "pardiso" or "superlu".
-    substrate : the elements of the sheet.
-    scales : how scales are modeled.
-    """
-
-    substrate_material: NeoHookean
-    scale_material: NeoHookean
-    substrate_thickness: float
-    gap: float
-    bond_radius: float = 0.0
-    contact: ContactOptions = field(default_factory=ContactOptions)
-    linear_solver: str = "auto"
-    substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
-    scales: ScaleOptions = field(default_factory=ScaleOptions)
-
-    @property
-    def plate_stiffness(self) -> float:
-        """D of the substrate, N mm."""
-        return plate_stiffness(self.substrate_material, self.substrate_thickness)
-
-    @property
-    def sheet_support(self) -> SheetSupport:
-        """What hangs on a scale."""
-        modulus = self.substrate_material.young_modulus
-        thickness = self.substrate_thickness
-        return SheetSupport.of_strip(modulus, thickness, self.plate_stiffness, self.gap)
-
-    @classmethod
-    def of_pattern(
-        cls,
-        pattern: Pattern,
-        contact: ContactOptions | None = None,
-        linear_solver: str = "auto",
-        substrate: SubstrateOptions | None = None,
-        scales: ScaleOptions | None = None,
-    ) -> CellModel:
-        """Materials and sizes of a pattern."""
-        return cls(
-            pattern.substrate_material,
-            pattern.scale_material,
-            pattern.substrate_thickness,
-            pattern.gap,
-            pattern.bond_radius,
-            contact or ContactOptions(),
-            linear_solver,
-            substrate or SubstrateOptions(),
-            scales or ScaleOptions(),
-        )
 
 
 class CellProblem:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flexscale.errors import ConfigError, PatternError
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mesh.finite import build_finite_mesh

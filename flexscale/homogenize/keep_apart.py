@@ -48,7 +48,7 @@ def keep_apart(
         return None
     try:
         return _Search(problem, problem.contact, start, wanted, bend).run()
-    except np.linalg.LinAlgError:
+    except (np.linalg.LinAlgError, RuntimeError):  # the latter of least squares without an end
         return None
 
 

@@ -274,9 +274,8 @@ def _bend_back(
 def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:
     """The better start at `target` of those along dz/dkappa and along its parabola.
 
-    If scales would meet on the straight way to both, one at which they are kept apart. None if
-    there is none, or if all have so much energy that a smaller step is the faster way: from there
-    Newton may wander through buckled states.
+    Where scales would meet on the straight way to both, or both have so much energy that Newton may
+    wander through buckled states, the one at which scales are kept apart; None if there is none.
     """
     span = target - point.curvature
     straight = point.z + span * point.rate

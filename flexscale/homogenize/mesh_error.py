@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexscale.errors import MeshError
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions

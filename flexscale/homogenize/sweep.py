@@ -13,7 +13,8 @@ import numpy as np
 
 from flexscale.embedding.bodies import Body
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
 from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 import flexscale as fs
-from flexscale.homogenize.cell_problem import CellProblem, plate_stiffness
+from flexscale.homogenize.cell_model import plate_stiffness
+from flexscale.homogenize.cell_problem import CellProblem
 
 D = plate_stiffness(fs.TPU, 0.4)  # 0.18018 N mm
 

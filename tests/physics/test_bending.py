@@ -7,7 +7,8 @@ import pytest
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.scale_options import SCALE_MODELS

@@ -10,7 +10,8 @@ import pytest
 
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.mesh.periodic_mesh import GAP_EDGE

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.homogenize.cell_problem import CellModel, CellProblem
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from tests.physics.cells import FINE, RIGID, D, hexagon, hexagon_problem, square, square_problem

@@ -1,0 +1,77 @@
+"""What a cell is made of, and how it is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from flexscale.homogenize.scale_modes import SheetSupport
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.patterns import NeoHookean, Pattern
+
+
+def plate_stiffness(material: NeoHookean, thickness: float) -> float:
+    """D = E t^3 / 12 (1 - nu^2) [N mm]."""
+    return material.young_modulus * thickness**3 / (12.0 * (1.0 - material.poisson_ratio**2))
+
+
+@dataclass(frozen=True)
+class CellModel:
+    """What a cell is made of, and how it is solved; with a mesh it makes a `CellProblem`.
+
+    Attributes
+    ----------
+    substrate_material, scale_material : Neo-Hookean solids.
+    substrate_thickness : mm.
+    gap : mm, between scales at rest; sets the length scale of contact.
+    bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
+    contact : how scales touch.
+    linear_solver : "auto", "pardiso" or "superlu".
+    substrate : the elements of the sheet.
+    scales : how scales are modeled.
+    """
+
+    substrate_material: NeoHookean
+    scale_material: NeoHookean
+    substrate_thickness: float
+    gap: float
+    bond_radius: float = 0.0
+    contact: ContactOptions = field(default_factory=ContactOptions)
+    linear_solver: str = "auto"
+    substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
+    scales: ScaleOptions = field(default_factory=ScaleOptions)
+
+    @property
+    def plate_stiffness(self) -> float:
+        """D of the substrate, N mm."""
+        return plate_stiffness(self.substrate_material, self.substrate_thickness)
+
+    @property
+    def sheet_support(self) -> SheetSupport:
+        """What hangs on a scale."""
+        modulus = self.substrate_material.young_modulus
+        thickness = self.substrate_thickness
+        return SheetSupport.of_strip(modulus, thickness, self.plate_stiffness, self.gap)
+
+    @classmethod
+    def of_pattern(
+        cls,
+        pattern: Pattern,
+        contact: ContactOptions | None = None,
+        linear_solver: str = "auto",
+        substrate: SubstrateOptions | None = None,
+        scales: ScaleOptions | None = None,
+    ) -> CellModel:
+        """Materials and sizes of a pattern."""
+        return cls(
+            pattern.substrate_material,
+            pattern.scale_material,
+            pattern.substrate_thickness,
+            pattern.gap,
+            pattern.bond_radius,
+            contact or ContactOptions(),
+            linear_solver,
+            substrate or SubstrateOptions(),
+            scales or ScaleOptions(),
+        )

@@ -51,7 +51,8 @@ def _earlier(step: str, registry: Registry) -> list[tuple[Mapping[str, Any], flo
             n_samples = STEPS[step].parameters.model_validate(parameters).n_samples
         except ValidationError:  # of a version with other parameters
             continue
-        seconds = run["wall_seconds"] * run.get("workers", 1)
+        # Processor time, where it was recorded, is not lengthened by a busy machine.
+        seconds = run.get("cpu_seconds", run["wall_seconds"] * run.get("workers", 1))
         found.append((parameters, seconds / max(n_samples, 1)))
     return found
 

@@ -59,6 +59,13 @@ def test_the_most_alike_records_count(tmp_path: Path) -> None:
     assert estimates(tmp_path, jobs) == {"square": 12.0, "hexagon": 120.0}
 
 
+def test_a_busy_machine_does_not_lengthen_estimates(tmp_path: Path) -> None:
+    jobs = sweep_jobs()
+    record = {"wall_seconds": 60.0, "cpu_seconds": 24.0, "workers": 2}
+    Store(tmp_path).publish(law_sweep(), "sweep", jobs["square"].recipe, [], record)
+    assert estimates(tmp_path, jobs)["square"] == 24.0
+
+
 def test_nothing_is_said_without_records(tmp_path: Path) -> None:
     assert estimates(tmp_path, sweep_jobs()) == {}
     Store(tmp_path).publish(law_sweep(), "sweep", sweep_jobs()["square"].recipe)

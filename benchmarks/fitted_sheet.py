@@ -18,7 +18,6 @@ from macro_shell import COST_HEAD, CURVATURE, LENGTH, WIDTH, bend, cost_cells
 from report import report
 
 import flexscale as fs
-from flexscale.macro.simulate import sheet_law
 
 SIZES = {"edge_angle": (3.0, 1.476), "c1": (12.0, 6.0, 3.0)}
 DIRECTIONS = (0.0, 45.0, 90.0)
@@ -33,7 +32,7 @@ def table(name: str, model: fs.MacroModel) -> list[str]:
         rows += [f"## {name}, along {direction:g}°", "", head, "|" + "---|" * 14]
         for element, sizes in SIZES.items():
             costs = [
-                bend(element, size, 1, law=sheet_law(model), direction=direction) for size in sizes
+                bend(element, size, 1, law=model.sheet_law(), direction=direction) for size in sizes
             ]
             energies = [cost.sheet.energy for cost in costs]
             ratio = (sizes[-2] / sizes[-1]) ** 2

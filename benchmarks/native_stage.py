@@ -29,7 +29,6 @@ import flexscale as fs
 from flexscale.datasets.registry import Registry
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.homogenize.stage_line import follow_shortenings
-from flexscale.macro.simulate import sheet_law
 from flexscale.macro.stage import StageRig
 from flexscale.patterns.clipped import clip_pattern
 from flexscale.plotting.rigs import compared_stages
@@ -127,7 +126,7 @@ def against_macro(registry: Registry, native: xr.Dataset, folder: Path | None) -
         float(native[f"stage_{size}"]) for size in ("length", "width", "direction")
     )
     shortenings = native["shortening"].values
-    rig = StageRig(sheet_law(model), length=length, width=width, direction=direction)
+    rig = StageRig(model.sheet_law(), length=length, width=width, direction=direction)
     n_macro = len(rig.problem(float(shortenings[-1])).active)
     rows, times, forces = [], [], []
     for side in native["side"].values:

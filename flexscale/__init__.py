@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flexscale.homogenize.tangent import tangent_stiffness
     from flexscale.macro.bent_sheet import SheetOptions
     from flexscale.macro.fit import fit
+    from flexscale.macro.gap_model import GapModel, gap_model
     from flexscale.macro.mandrel import simulate_mandrel
     from flexscale.macro.model import MacroModel
     from flexscale.macro.rigs import RigOptions
@@ -41,6 +42,7 @@ __all__ = [
     "PETG",
     "TPU",
     "ContactOptions",
+    "GapModel",
     "MacroModel",
     "MeshOptions",
     "NeoHookean",
@@ -56,6 +58,7 @@ __all__ = [
     "contact_onset",
     "families",
     "fit",
+    "gap_model",
     "named_pattern",
     "named_patterns",
     "open_registry",
@@ -74,6 +77,7 @@ __all__ = [
 _HOMES = {
     "PETG": "flexscale.patterns.material",
     "TPU": "flexscale.patterns.material",
+    "GapModel": "flexscale.macro.gap_model",
     "MacroModel": "flexscale.macro.model",
     "MeshOptions": "flexscale.mesh.options",
     "NeoHookean": "flexscale.patterns.material",
@@ -90,6 +94,7 @@ _HOMES = {
     "contact_onset": "flexscale.datasets.onset",
     "families": "flexscale.tilings",
     "fit": "flexscale.macro.fit",
+    "gap_model": "flexscale.macro.gap_model",
     "named_pattern": "flexscale.patterns.named",
     "named_patterns": "flexscale.patterns.named",
     "open_registry": "flexscale.datasets.registry",

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.cell_problem import CellProblem, CellState
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.scale_options import ScaleOptions
@@ -84,8 +84,28 @@ class TangentStiffness:
         )
 
 
-def solve_tangent(problem: CellProblem) -> TangentStiffness:
-    """Tangent of a cell problem: bending and in-plane stiffness of its cell at rest."""
+@dataclass(frozen=True)
+class FlatBends:
+    """How the flat cell answers to unit kappa_xx, kappa_yy and 2 kappa_xy.
+
+    Attributes
+    ----------
+    state : at rest.
+    rates : three (n_rows, 3) dy/dk of a cell that only bends.
+    stressed : three (n_rows, 3) K times these, the forces that they need.
+    loads : three (n_active,) these forces on the unknowns.
+    relaxed : three (n_active,) rates of the unknowns that free the cell of them.
+    """
+
+    state: CellState
+    rates: list[FloatArray]
+    stressed: list[FloatArray]
+    loads: list[FloatArray]
+    relaxed: list[FloatArray]
+
+
+def bend_flat(problem: CellProblem) -> FlatBends:
+    """Bend the cell at rest by little; its system is left factorized there."""
     embedding, pull_back = problem.embedding, problem.pull_back
     cell = problem.bent(Bend(0.0, 0.0))
     state = cell.evaluate(embedding.rest)
@@ -98,9 +118,18 @@ def solve_tangent(problem: CellProblem) -> TangentStiffness:
     stressed = [pull_back.multiply(blocks, r) for r in rates]
     loads = [embedding.world_map.pull_gradient(state.world, s)[problem.active] for s in stressed]
     relaxed = [problem.system.solve(-load)[0] for load in loads]
+    return FlatBends(state, rates, stressed, loads, relaxed)
+
+
+def solve_tangent(problem: CellProblem) -> TangentStiffness:
+    """Tangent of a cell problem: bending and in-plane stiffness of its cell at rest."""
+    bends = bend_flat(problem)
     matrix = np.array(
         [
-            [np.sum(rates[i] * stressed[j]) + loads[i] @ relaxed[j] for j in range(3)]
+            [
+                np.sum(bends.rates[i] * bends.stressed[j]) + bends.loads[i] @ bends.relaxed[j]
+                for j in range(3)
+            ]
             for i in range(3)
         ]
     )

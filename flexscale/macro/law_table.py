@@ -77,6 +77,25 @@ def build_law_table(
     return table
 
 
+def build_rest_table(
+    tangent: FloatArray, in_plane: FloatArray, w_biaxial: float, softening: float
+) -> FloatArray:
+    """Table (60,) of a sheet whose scales never touch.
+
+    Parameters
+    ----------
+    tangent, in_plane : (3, 3) C in N mm, A in N mm-1.
+    w_biaxial : N mm3.
+    softening : s, mm N-1.
+    """
+    table = np.zeros(N_TABLE)
+    table[IN_PLANE : IN_PLANE + 6] = in_plane[_UPPER]
+    table[TANGENT : TANGENT + 6] = tangent[_UPPER]
+    table[BIAXIAL], table[SOFTENING], table[LEAST_ONSET] = w_biaxial, softening, np.inf
+    table[CLOSING + 8] = table[OPENING + 8] = NO_ONSET
+    return table
+
+
 def least_onset(polar: PolarLaw) -> float:
     """Least κ0 of all sides at all angles, mm-1; inf without contact."""
     found = [np.inf]

@@ -14,12 +14,11 @@ from numpy.typing import ArrayLike
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.model import MacroModel
+from flexscale.macro.sheet_model import SheetModel
 from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
 from flexscale.macro.rim import HUB, Rim
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_problem import SheetProblem
-from flexscale.macro.simulate import sheet_law
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.load_series import finite_series
 from flexscale.mechanics.sheet_law import SheetLaw
@@ -170,7 +169,7 @@ class MandrelRig:
 
 
 def simulate_mandrel(
-    model: MacroModel,
+    model: SheetModel,
     *,
     radius: float = 100.0,
     hub: float = HUB,
@@ -206,7 +205,7 @@ def simulate_mandrel(
     UnknownNameError : no such side.
     """
     rig = MandrelRig(
-        sheet_law(model), radius=radius, hub=hub, options=options,
+        model.sheet_law(), radius=radius, hub=hub, options=options,
         curvature_range=model.largest_curvature, solver=solver,
     )  # fmt: skip
     return rig.test(indentation, angles, side)

@@ -11,14 +11,16 @@ from numpy.typing import ArrayLike
 
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.variables import SIDES
-from flexscale.errors import BadInputError, UnitRangeError, UnknownNameError, suggest
+from flexscale.errors import BadInputError, UnknownNameError, suggest
+from flexscale.macro import tensor_law
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.law_table import build_law_table
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, Variant
 from flexscale.macro.storage import read_model, write_model
 from flexscale.macro.summary import describe_errors, describe_laws, describe_sheet
-from flexscale.macro.tensor_law import bending
+from flexscale.macro.tensors import evaluate_tensors, require_curvatures, require_directions
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
+from flexscale.mechanics.sheet_law import SheetLaw
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,7 +87,7 @@ class MacroModel:
         b and kappa_0 are nan where no contact was seen up to the largest curvature of the sweep.
         Numbers for one direction, arrays for several.
         """
-        law = self.polar.law(_directions(direction), self._side(side))
+        law = self.polar.law(require_directions(direction), self._side(side))
         if np.ndim(direction) == 0:
             return UniaxialLaw(float(law.a), float(law.b), float(law.kappa_0), law.softening)
         return law
@@ -94,13 +96,13 @@ class MacroModel:
         self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
     ) -> FloatArray:
         """Bending moment per width [N]; curvature (mm-1, >= 0) and direction (degree) broadcast."""
-        return self._law(direction, side).moment(_curvatures(curvature))
+        return self._law(direction, side).moment(require_curvatures(curvature))
 
     def energy(
         self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
     ) -> FloatArray:
         """Energy per area [N mm-1], the integral of `moment` over the curvature."""
-        return self._law(direction, side).energy(_curvatures(curvature))
+        return self._law(direction, side).energy(require_curvatures(curvature))
 
     def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
         """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
@@ -112,9 +114,7 @@ class MacroModel:
         Where a principal curvature is at the onset, or with "paper" where both are equal, see
         `tensor_law`.
         """
-        grad = self._evaluate(curvature)[1]
-        xx, xy, yy = grad[..., 0], 0.5 * grad[..., 1], grad[..., 2]
-        return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+        return self._evaluate(curvature)[1]
 
     def law_parameters(self) -> FloatArray:
         """Numbers of this model for `energy` and `law` of `flexscale.macro.tensor_law`.
@@ -130,6 +130,18 @@ class MacroModel:
             )
         return self._table(self.in_plane)
 
+    def sheet_law(self) -> SheetLaw:
+        """The law of this model's energy, for sheets of it.
+
+        Raises
+        ------
+        BadInputError : the in-plane stiffness is not known.
+        """
+        parameters = self.law_parameters()
+        assert self.in_plane is not None  # or there would be no parameters
+        largest = float(np.linalg.eigvalsh(self.in_plane).max())
+        return SheetLaw(tensor_law.energy, tensor_law.law, parameters, largest)
+
     def _table(self, in_plane: FloatArray | None) -> FloatArray:
         return build_law_table(
             self.polar,
@@ -140,24 +152,11 @@ class MacroModel:
         )
 
     def _evaluate(self, curvature: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Energies (…), and gradients (…, 3) by (b11, b12, b22)."""
-        tensors = np.asarray(curvature, dtype=float)
-        if tensors.shape[-2:] != (2, 2) or not np.isfinite(tensors).all():
-            raise UnitRangeError(
-                "A curvature tensor is a symmetric 2 by 2 matrix of finite numbers in mm-1, not "
-                f"{curvature!r}."
-            )
-        off = np.abs(tensors[..., 0, 1] - tensors[..., 1, 0])
-        if np.any(off > 1e-9 * np.abs(tensors).max(axis=(-2, -1))):  # more than rounding
-            raise UnitRangeError(f"Curvature tensors are symmetric, but {curvature!r} is not.")
-        forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
-        energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))
-        bending(forms, self._table(None), energies, gradients)
-        return energies.reshape(tensors.shape[:-2]), gradients.reshape(*tensors.shape[:-2], 3)
+        return evaluate_tensors(curvature, tensor_law.bending, self._table(None))
 
     def _law(self, direction: ArrayLike, side: str) -> UniaxialLaw:
         # Contact beyond the samples stays in, or the energy would jump with the direction there.
-        return self.polar.law(_directions(direction), self._side(side), within=False)
+        return self.polar.law(require_directions(direction), self._side(side), within=False)
 
     def _side(self, side: str) -> int:
         if side not in self.sides:
@@ -194,19 +193,3 @@ class MacroModel:
             lines.append(f"  {self.n_ignored} samples that did not converge were ignored")
         return "\n".join(lines)
 
-
-def _directions(direction: ArrayLike) -> FloatArray:
-    values = np.asarray(direction, dtype=float)
-    if not np.isfinite(values).all():
-        raise UnitRangeError(f"Directions must be finite, in degree, not {direction!r}.")
-    return values
-
-
-def _curvatures(curvature: ArrayLike) -> FloatArray:
-    values = np.asarray(curvature, dtype=float)
-    if not (np.isfinite(values) & (values >= 0.0)).all():
-        raise UnitRangeError(
-            f"Curvatures must be finite and not negative, in mm-1, not {curvature!r}; "
-            "the side says to which side the sheet is bent."
-        )
-    return values

@@ -2,30 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from flexscale.macro import tensor_law
 from flexscale.macro.bent_sheet import BentSheet, SheetOptions, bend_sheet
-from flexscale.macro.model import MacroModel
-from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.macro.sheet_model import SheetModel
 from flexscale.solve.newton import SolverOptions
 
 
-def sheet_law(model: MacroModel) -> SheetLaw:
-    """The law of a model's energy, for sheets of it.
-
-    Raises
-    ------
-    BadInputError : the in-plane stiffness is not known.
-    """
-    parameters = model.law_parameters()
-    assert model.in_plane is not None  # or there would be no parameters
-    largest = float(np.linalg.eigvalsh(model.in_plane).max())
-    return SheetLaw(tensor_law.energy, tensor_law.law, parameters, largest)
-
-
 def simulate_sheet(
-    model: MacroModel,
+    model: SheetModel,
     *,
     length: float,
     width: float,
@@ -56,7 +39,7 @@ def simulate_sheet(
     UnitRangeError : a size or number out of range.
     """
     return bend_sheet(
-        sheet_law(model),
+        model.sheet_law(),
         length=length,
         width=width,
         curvature=curvature,

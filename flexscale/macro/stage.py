@@ -14,11 +14,10 @@ from numpy.typing import ArrayLike
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.model import MacroModel
+from flexscale.macro.sheet_model import SheetModel
 from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_problem import SheetProblem
-from flexscale.macro.simulate import sheet_law
 from flexscale.macro.surfaces import Surface, hinged_arc
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
@@ -190,7 +189,7 @@ class StageRig:
 
 
 def simulate_stage(
-    model: MacroModel,
+    model: SheetModel,
     *,
     length: float = 100.0,
     width: float = 50.0,
@@ -225,7 +224,7 @@ def simulate_stage(
     UnknownNameError : no such side.
     """
     rig = StageRig(
-        sheet_law(model), length=length, width=width, direction=direction, options=options,
+        model.sheet_law(), length=length, width=width, direction=direction, options=options,
         curvature_range=model.largest_curvature, solver=solver,
     )  # fmt: skip
     return rig.test(shortenings, side)

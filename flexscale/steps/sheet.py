@@ -11,7 +11,6 @@ from flexscale.datasets.build_sheets import build_sheet_dataset
 from flexscale.macro.bent_sheet import BendingRig, SheetOptions
 from flexscale.macro.model import MacroModel
 from flexscale.macro.rigs import side_sign
-from flexscale.macro.simulate import sheet_law
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import SheetParameters
 
@@ -37,7 +36,7 @@ def compute(
     """Dataset of kind sheet; values are nan where the sheet did not converge."""
     model = MacroModel.from_dataset(inputs["fit"])
     rig = BendingRig(
-        sheet_law(model),
+        model.sheet_law(),
         length=parameters.length,
         width=parameters.width,
         direction=parameters.direction,

@@ -13,7 +13,6 @@ import flexscale as fs
 from flexscale.errors import BadInputError, UnitRangeError, UnknownNameError
 from flexscale.homogenize.tangent import TangentStiffness
 from flexscale.macro.mandrel import MandrelRig, MandrelTest
-from flexscale.macro.simulate import sheet_law
 from flexscale.macro.stage import StageRig, StageTest
 from flexscale.mechanics.linear_law import isotropic_sheet
 from flexscale.solve.newton import SolverOptions
@@ -142,7 +141,7 @@ def test_a_fourfold_model_has_a_fourfold_force():
 
 
 def test_half_a_turn_is_solved_once_for_it_gives_the_same(model):
-    rig = MandrelRig(sheet_law(model), options=fs.RigOptions(size=25.0))
+    rig = MandrelRig(model.sheet_law(), options=fs.RigOptions(size=25.0))
     one, other = rig.push(15.0, 12.0), rig.push(195.0, 12.0)
     assert other.force == pytest.approx(one.force, rel=1e-6)
     assert rig.push(30.0, 12.0).force != pytest.approx(one.force, rel=1e-2)

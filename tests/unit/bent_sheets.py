@@ -9,7 +9,6 @@ import numpy as np
 
 from flexscale.macro.bent_sheet import BendingRig, BentSheet, SheetOptions
 from flexscale.macro.fit import fit
-from flexscale.macro.simulate import sheet_law
 from flexscale.macro.surfaces import Surface, cylinder
 from tests.unit.fit_samples import law_sweep, tangent
 
@@ -24,7 +23,7 @@ def flat_sheet(
     direction: float = 0.0,
 ) -> BentSheet:
     rig = BendingRig(
-        sheet_law(fit(law_sweep(), tangent())), length=length, width=width, direction=direction,
+        fit(law_sweep(), tangent()).sheet_law(), length=length, width=width, direction=direction,
         options=SheetOptions(element, size),
     )  # fmt: skip
     return rig.bend(0.0)

@@ -1,0 +1,145 @@
+"""Energy per rest area of a sheet whose gaps close as those of its flat cell, with derivatives.
+
+States as in `tensor_law`: e = a − I and b [mm-1]. With strain E = (e11/2, e22/2, e12) and
+curvature k = (b11, b22, 2 b12)
+
+    W = ½ E·A E + soft(½ k·C k, s) + soft(W_c(k), s_c) + ½ w det(b)²,    soft(x, s) = log(1 + s x)/s,
+    W_c(k) = max over p >= 0 of  −p·(g + G k) − ½ p·S p,
+
+g, G, S the gaps of `flat_contact`. W_c is convex and quadratic as long as the same gaps are closed:
+dW_c/dk = −Gᵀp, and the second derivative Gᵀ S⁻¹ G of the closed ones jumps as one more closes.
+
+A table is that of `tensor_law`, for all but contact, followed by n, s_c, g (n), G (n, 3), S (n, n).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from flexscale.datasets.fit_values import FloatArray
+from flexscale.macro import tensor_law
+from flexscale.macro.tensor_law import N_TABLE
+from flexscale.solve.unilateral import unilateral_forces
+
+_N, _SOFTENING, _GAPS = N_TABLE, N_TABLE + 1, N_TABLE + 2
+
+
+def build_gap_table(
+    rest: FloatArray,
+    distances: FloatArray,
+    slopes: FloatArray,
+    compliance: FloatArray,
+    softening: float,
+) -> FloatArray:
+    """Table of a gap law.
+
+    Parameters
+    ----------
+    rest : (60,) table of `tensor_law` without contact.
+    distances, slopes, compliance : (n,), (n, 3), (n, n) of the gaps, see `FlatContact`.
+    softening : s_c, mm N-1.
+    """
+    head = np.array([len(distances), softening], dtype=float)
+    return np.concatenate([rest, head, distances, slopes.ravel(), compliance.ravel()])
+
+
+@njit(cache=True)
+def energy(e: FloatArray, b: FloatArray, parameters: FloatArray) -> float:
+    """Energy per rest area [N mm-1]; e, b (3,), parameters a table."""
+    value: float = tensor_law.energy(e, b, parameters)
+    k = (b[0], b[2], 2.0 * b[1])
+    if _closes(k, parameters):
+        touch, softening = _contact(k, parameters, np.empty(3), np.empty((0, 0))), _s(parameters)
+        value += np.log1p(softening * touch) / softening if softening > 0.0 else touch
+    return value
+
+
+@njit(cache=True)
+def law(
+    e: FloatArray, b: FloatArray, parameters: FloatArray, grad: FloatArray, hess: FloatArray
+) -> None:
+    """Fill gradient (6,) and Hessian (6, 6) in (a11, a12, a22, b11, b12, b22), as `tensor_law`."""
+    tensor_law.law(e, b, parameters, grad, hess)
+    k = (b[0], b[2], 2.0 * b[1])
+    if not _closes(k, parameters):
+        return
+    by_k = np.empty(3)
+    twice = np.empty((3, 3)) if hess.shape[0] > 0 else np.empty((0, 0))
+    touch, softening = _contact(k, parameters, by_k, twice), _s(parameters)
+    rate = 1.0 / (1.0 + softening * touch)
+    order, scale = (0, 2, 1), (1.0, 1.0, 2.0)
+    for i in range(3):
+        grad[3 + order[i]] += rate * scale[i] * by_k[i]
+        if hess.shape[0] > 0:
+            for j in range(3):
+                curve = rate * (twice[i, j] - softening * rate * by_k[i] * by_k[j])
+                hess[3 + order[i], 3 + order[j]] += scale[i] * scale[j] * curve
+
+
+@njit(cache=True)
+def _s(table):
+    return table[_SOFTENING]
+
+
+@njit(cache=True)
+def _closes(k, table):
+    """Whether any gap would close without a force."""
+    n = int(table[_N])
+    slopes = _GAPS + n
+    for i in range(n):
+        gap = table[_GAPS + i]
+        for c in range(3):
+            gap += table[slopes + 3 * i + c] * k[c]
+        if gap < 0.0:
+            return True
+    return False
+
+
+@njit(cache=True)
+def _contact(k, table, by_k, twice):
+    """W_c, its gradient (3,) by k, and its Hessian (3, 3); a `twice` of shape (0, 0) is skipped."""
+    n = int(table[_N])
+    slopes, compliances = _GAPS + n, _GAPS + 4 * n
+    compliance = table[compliances : compliances + n * n].copy().reshape((n, n))
+    missing = np.empty(n)
+    for i in range(n):
+        missing[i] = -table[_GAPS + i]
+        for c in range(3):
+            missing[i] -= table[slopes + 3 * i + c] * k[c]
+    active, forces = np.empty(n, dtype=np.int64), np.empty(n)
+    m = unilateral_forces(compliance, missing, active, forces)
+    value = 0.0
+    by_k[:] = 0.0
+    for a in range(m):
+        i = active[a]
+        value += 0.5 * forces[a] * missing[i]  # S p = m where p > 0
+        for c in range(3):
+            by_k[c] -= forces[a] * table[slopes + 3 * i + c]
+    if twice.shape[0] > 0:
+        closed, rates = np.empty((m, m)), np.empty((m, 3))
+        for a in range(m):
+            for c in range(3):
+                rates[a, c] = table[slopes + 3 * active[a] + c]
+            for d in range(m):
+                closed[a, d] = compliance[active[a], active[d]]
+        twice[:] = 0.0
+        if m > 0:
+            held = np.linalg.solve(closed, rates)
+            for a in range(m):
+                for c in range(3):
+                    for d in range(3):
+                        twice[c, d] += rates[a, c] * held[a, d]
+    return value
+
+
+@njit(cache=True)
+def bending(
+    b: FloatArray, parameters: FloatArray, energies: FloatArray, gradients: FloatArray
+) -> None:
+    """Energies (n,) and gradients (n, 3) of second forms b (n, 3) without strain."""
+    flat, grad, hess = np.zeros(3), np.empty(6), np.empty((0, 0))
+    for i in range(len(b)):
+        energies[i] = energy(flat, b[i], parameters)
+        law(flat, b[i], parameters, grad, hess)
+        gradients[i] = grad[3:]

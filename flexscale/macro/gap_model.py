@@ -1,0 +1,223 @@
+"""The macro model of the flat cell: its stiffness, and gaps that close. No sweep is needed.
+
+# PAPER: contact is fitted to native bending in single directions. WE: gaps of the flat cell, two
+# softenings at most from a sweep. WHY: where a sheet bends in two directions at a time, as free
+# sides make it do, scales meet long before either curvature would bring them together alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+
+from flexscale.datasets.fit_values import FloatArray
+from flexscale.macro import gap_law
+from flexscale.macro.biaxial import choose_w_biaxial
+from flexscale.macro.law_table import build_rest_table
+from flexscale.macro.rest_stiffness import read_rest_stiffness, require_same_cell
+from flexscale.macro.harmonics import stiffness_harmonics
+from flexscale.macro.samples import Samples, read_samples
+from flexscale.macro.tensors import evaluate_tensors, uniaxial_tensors, unit_vectors
+from flexscale.mechanics.sheet_law import SheetLaw
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexscale.homogenize.flat_contact import FlatContact
+    from flexscale.mechanics.scale_options import ScaleOptions
+    from flexscale.mechanics.substrate_options import SubstrateOptions
+    from flexscale.mesh.options import MeshOptions
+    from flexscale.patterns import Pattern
+
+#: mm-1, up to which the model was compared with native cells (benchmarks/gap_models.py).
+LARGEST_CURVATURE = 0.03
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GapModel:
+    """Bending response of a scaled sheet to any curvature tensor, from its flat cell.
+
+    Attributes
+    ----------
+    tangent : (3, 3) N mm, stiffness C of the flat cell.
+    in_plane : (3, 3) N mm-1, energy density ½ EᵀAE for Green strain E = (E_xx, E_yy, 2 E_xy).
+    contact : gaps of the flat cell.
+    softening, contact_softening : s and s_c of `gap_law`, mm N-1; 0 unless fitted to a sweep.
+    w_biaxial : N mm3, resistance to double curvature.
+    labels : what the model is labelled with: pattern, family, sizes, materials.
+    largest_curvature : mm-1, up to which the model is known to hold.
+    """
+
+    tangent: FloatArray
+    in_plane: FloatArray
+    contact: FlatContact
+    softening: float = 0.0
+    contact_softening: float = 0.0
+    w_biaxial: float = 0.0
+    labels: Mapping[str, float | str] = field(default_factory=dict)
+    largest_curvature: float = LARGEST_CURVATURE
+
+    def energy(
+        self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
+    ) -> FloatArray:
+        """Energy per area [N mm-1]; curvature (mm-1, >= 0) and direction (degree) broadcast."""
+        return self.tensor_energy(uniaxial_tensors(curvature, direction, side))
+
+    def moment(
+        self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
+    ) -> FloatArray:
+        """Bending moment per width [N] in the direction of the curvature, >= 0."""
+        n = unit_vectors(direction)
+        tensors = self.tensor_moment(uniaxial_tensors(curvature, direction, side))
+        along = np.einsum("...i,...ij,...j->...", n, tensors, n)
+        return along if side == "closing" else -along
+
+    def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
+        """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
+        return evaluate_tensors(curvature, gap_law.bending, self._table())[0]
+
+    def tensor_moment(self, curvature: ArrayLike) -> FloatArray:
+        """Moments per width (…, 2, 2) in N: derivative of `tensor_energy` by the tensor."""
+        return evaluate_tensors(curvature, gap_law.bending, self._table())[1]
+
+    def onset(self, direction: ArrayLike, side: str = "closing") -> FloatArray:
+        """Curvature [mm-1] at which scales meet when bent in a direction (degree); inf for never."""
+        return self.tensor_onset(uniaxial_tensors(1.0, direction, side))
+
+    def tensor_onset(self, curvature: ArrayLike) -> FloatArray:
+        """By how much curvature tensors (…, 2, 2) may be multiplied until scales meet; or inf."""
+        k = np.asarray(curvature, dtype=float)
+        return self.contact.onset(
+            np.stack([k[..., 0, 0], k[..., 1, 1], k[..., 0, 1] + k[..., 1, 0]], axis=-1)
+        )
+
+    def sheet_law(self) -> SheetLaw:
+        """The law of this model's energy, for sheets of it."""
+        largest = float(np.linalg.eigvalsh(self.in_plane).max())
+        return SheetLaw(gap_law.energy, gap_law.law, self._table(), largest)
+
+    def _table(self) -> FloatArray:
+        rest = build_rest_table(self.tangent, self.in_plane, self.w_biaxial, self.softening)
+        gaps = self.contact
+        return gap_law.build_gap_table(
+            rest, gaps.distances, gaps.slopes, gaps.compliance, self.contact_softening
+        )
+
+    def fitted(self, sweep: xr.Dataset) -> GapModel:
+        """The model with softenings fitted to a sweep of the same cell.
+
+        Least squares of the relative errors of energies and moments, all directions and both sides
+        alike.
+
+        Raises
+        ------
+        SchemaError, BadInputError : not a sweep, too small a one, or one of another cell.
+        """
+        samples = read_samples(sweep)
+        require_same_cell(stiffness_harmonics(self.tangent), samples)
+
+        def off(softenings: FloatArray) -> FloatArray:
+            s, s_c = softenings
+            model = replace(self, softening=float(s), contact_softening=float(s_c))
+            return np.concatenate([np.log(ratio) for ratio in _ratios(model, samples)])
+
+        found = least_squares(off, [1.0, 1.0], bounds=(0.0, np.inf), diff_step=1e-3).x
+        return replace(
+            self,
+            softening=float(found[0]),
+            contact_softening=float(found[1]),
+            largest_curvature=float(samples.curvatures[-1]),
+        )
+
+    def errors(self, sweep: xr.Dataset) -> tuple[FloatArray, FloatArray]:
+        """Relative errors of energies and of moments at the converged samples of a sweep, (n,)."""
+        energy, moment = _ratios(self, read_samples(sweep))
+        return energy - 1.0, moment - 1.0
+
+    def __repr__(self) -> str:
+        who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()
+        lines = [f"GapModel {who}: {len(self.contact)} gaps of the flat cell"]
+        for name, value in (
+            ("before contact", self.softening), ("of contact", self.contact_softening)
+        ):  # fmt: skip
+            if value > 0.0:
+                lines.append(f"  softening {name:<14} halved at an energy of {1 / value:.3g} N mm-1")
+        for side in ("closing", "opening"):
+            onset = self.onset(np.arange(0.0, 180.0, 5.0), side)
+            least = float(np.min(onset))
+            if least > self.largest_curvature:
+                lines.append(f"  {side:<8} no contact up to {self.largest_curvature:g} mm-1")
+            else:
+                where = 5.0 * int(np.argmin(onset))
+                lines.append(f"  {side:<8} contact from {least:.3g} mm-1 on, at {where:g} degree")
+        return "\n".join(lines)
+
+
+def _ratios(model: GapModel, samples: Samples) -> tuple[FloatArray, FloatArray]:
+    """Model over native energies and moments at the used samples."""
+    energies, moments = [], []
+    for index, side in enumerate(samples.sides):
+        arguments = samples.curvatures, samples.directions[:, None], side
+        used = samples.used[index]
+        energies.append((model.energy(*arguments) / samples.energy[index])[used])
+        moments.append((model.moment(*arguments) / samples.moment[index])[used])
+    return np.concatenate(energies), np.concatenate(moments)
+
+
+def gap_model(
+    pattern: Pattern,
+    sweep: xr.Dataset | None = None,
+    *,
+    mesh: MeshOptions | None = None,
+    substrate: SubstrateOptions | None = None,
+    scales: ScaleOptions | None = None,
+    w_biaxial: float | None = None,
+) -> GapModel:
+    """The macro model of a pattern's flat cell, in seconds.
+
+    Parameters
+    ----------
+    pattern : the scale pattern.
+    sweep : dataset of kind sweep of the same cell, to which two softenings are fitted; without one
+        there are none, and the model is too stiff by what benchmarks/gap_models.py tells.
+    mesh : element sizes; the default mesh if not given.
+    substrate, scales : elements of the sheet, and how scales are modeled; the defaults if not
+        given.
+    w_biaxial : N mm3, resistance to double curvature [Eq. 13]; see `biaxial` for its default.
+
+    Raises
+    ------
+    PatternError, MeshError : the pattern cannot be meshed.
+    UnitRangeError : w_biaxial out of range.
+    SchemaError, BadInputError : not a sweep of this cell.
+
+    Examples
+    --------
+    >>> import flexscale as fs
+    >>> model = fs.gap_model(fs.named_pattern("square"))
+    >>> bool(0.009 < model.onset(0.0) < 0.011)
+    True
+    """
+    # Meshing needs system libraries, which models that are there already can do without.
+    from flexscale.homogenize.cell_problem import CellProblem
+    from flexscale.homogenize.flat_contact import solve_flat_contact
+    from flexscale.homogenize.labels import pattern_scalars
+    from flexscale.homogenize.tangent import solve_tangent
+    from flexscale.mesh.options import MeshOptions
+
+    options = mesh or MeshOptions()
+    problem = CellProblem.from_pattern(pattern, options, substrate=substrate, scales=scales)
+    tangent, in_plane = read_rest_stiffness(solve_tangent(problem))
+    model = GapModel(
+        tangent,
+        in_plane,
+        solve_flat_contact(problem),
+        w_biaxial=choose_w_biaxial(w_biaxial, in_plane, pattern.tile_area),
+        labels=pattern_scalars(pattern, options),
+    )
+    return model if sweep is None else model.fitted(sweep)

@@ -1,0 +1,106 @@
+"""Forces between things that may part but not overlap: a linear complementarity problem.
+
+With p >= 0 the forces and S their compliance, S p >= m where m is missing to the distances that are
+to be kept, and p = 0 where S p > m. Such p are those of the largest p . m - 1/2 p . S p, and solve
+non-negative least squares. Few of them act at a time: the set that does is grown one by one, and
+what would have to pull leaves it (Lawson and Hanson 1974, ch. 23).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from flexscale.mechanics.energy import FloatArray, IntArray
+
+_TOLERANCE = 1e-9  # share of what is missing most, and of a diagonal entry of S
+
+
+@njit(cache=True)
+def unilateral_forces(
+    compliance: FloatArray, missing: FloatArray, active: IntArray, forces: FloatArray
+) -> int:
+    """Fill active (n,) with the indices that act and forces (n,) with theirs, in that order.
+
+    Parameters
+    ----------
+    compliance : (n, n) S, symmetric and not negative. Of entries that depend on others, such as
+        copies, some stay out.
+    missing : (n,) m.
+
+    Returns
+    -------
+    How many act.
+    """
+    n, n_active = len(missing), 0
+    limit = _TOLERANCE * max(missing.max(), 0.0) if n else 0.0
+    acts, out = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
+    lower, wanted = np.empty((n, n)), np.empty(n)
+    for _ in range(4 * n):
+        best, enters = limit, -1
+        for i in range(n):
+            if acts[i] or out[i]:
+                continue
+            short = missing[i]
+            for a in range(n_active):
+                short -= compliance[i, active[a]] * forces[a]
+            if short > best:
+                best, enters = short, i
+        if enters < 0:
+            break
+        active[n_active], forces[n_active] = enters, 0.0
+        if not _add_row(compliance, active, n_active, lower):
+            out[enters] = True
+            continue
+        acts[enters] = True
+        n_active += 1
+        while n_active > 0:
+            _solve(lower, missing, active, n_active, wanted)
+            share, leaves = 1.0, -1
+            for a in range(n_active):
+                if wanted[a] <= 0.0 and forces[a] <= share * (forces[a] - wanted[a]):
+                    share, leaves = forces[a] / (forces[a] - wanted[a]), a
+            for a in range(n_active):
+                forces[a] += share * (wanted[a] - forces[a])
+            if leaves < 0:
+                break
+            acts[active[leaves]] = False
+            out[:] = False
+            n_active -= 1
+            for a in range(leaves, n_active):
+                active[a], forces[a] = active[a + 1], forces[a + 1]
+            for a in range(leaves, n_active):
+                _add_row(compliance, active, a, lower)
+    return n_active
+
+
+@njit(cache=True)
+def _add_row(compliance, active, row, lower):
+    """Row of the Cholesky factor of the active part; False where it depends on those before."""
+    i = active[row]
+    for a in range(row):
+        value = compliance[i, active[a]]
+        for b in range(a):
+            value -= lower[row, b] * lower[a, b]
+        lower[row, a] = value / lower[a, a]
+    value = compliance[i, i]
+    for b in range(row):
+        value -= lower[row, b] ** 2
+    if value <= _TOLERANCE * compliance[i, i]:
+        return False
+    lower[row, row] = np.sqrt(value)
+    return True
+
+
+@njit(cache=True)
+def _solve(lower, missing, active, n, out):
+    for a in range(n):
+        value = missing[active[a]]
+        for b in range(a):
+            value -= lower[a, b] * out[b]
+        out[a] = value / lower[a, a]
+    for a in range(n - 1, -1, -1):
+        value = out[a]
+        for b in range(a + 1, n):
+            value -= lower[b, a] * out[b]
+        out[a] = value / lower[a, a]

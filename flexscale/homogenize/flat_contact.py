@@ -161,7 +161,7 @@ class _Search:
 
 
 def sample_curvatures() -> FloatArray:
-    """(n, 3) curvatures (kappa_xx, kappa_yy, 2 kappa_xy) in mm-1, single and double to both sides."""
+    """(n, 3) k = (kappa_xx, kappa_yy, 2 kappa_xy) in mm-1: single and double, to both sides."""
     ratios = 2.0 * np.pi * np.arange(_RATIOS) / _RATIOS
     turns = np.pi * np.arange(_TURNS) / _TURNS
     psi, theta = np.meshgrid(ratios, turns, indexing="ij")

@@ -3,7 +3,8 @@
 States as in `tensor_law`: e = a − I and b [mm-1]. With strain E = (e11/2, e22/2, e12) and
 curvature k = (b11, b22, 2 b12)
 
-    W = ½ E·A E + soft(½ k·C k, s) + soft(W_c(k), s_c) + ½ w det(b)²,    soft(x, s) = log(1 + s x)/s,
+    W = ½ E·A E + soft(½ k·C k, s) + soft(W_c(k), s_c) + ½ w det(b)²,
+    soft(x, s) = log(1 + s x)/s,
     W_c(k) = max over p >= 0 of  −p·(g + G k) − ½ p·S p,
 
 g, G, S the gaps of `flat_contact`. W_c is convex and quadratic as long as the same gaps are closed:
@@ -78,12 +79,13 @@ def law(
 
 
 @njit(cache=True)
-def _s(table):
-    return table[_SOFTENING]
+def _s(table: FloatArray) -> float:
+    softening: float = table[_SOFTENING]
+    return softening
 
 
 @njit(cache=True)
-def _closes(k, table):
+def _closes(k: tuple[float, float, float], table: FloatArray) -> bool:
     """Whether any gap would close without a force."""
     n = int(table[_N])
     slopes = _GAPS + n
@@ -97,7 +99,9 @@ def _closes(k, table):
 
 
 @njit(cache=True)
-def _contact(k, table, by_k, twice):
+def _contact(
+    k: tuple[float, float, float], table: FloatArray, by_k: FloatArray, twice: FloatArray
+) -> float:
     """W_c, its gradient (3,) by k, and its Hessian (3, 3); a `twice` of shape (0, 0) is skipped."""
     n = int(table[_N])
     slopes, compliances = _GAPS + n, _GAPS + 4 * n

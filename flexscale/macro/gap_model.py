@@ -18,9 +18,9 @@ from scipy.optimize import least_squares
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.macro import gap_law
 from flexscale.macro.biaxial import choose_w_biaxial
+from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.law_table import build_rest_table
 from flexscale.macro.rest_stiffness import read_rest_stiffness, require_same_cell
-from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.samples import Samples, read_samples
 from flexscale.macro.tensors import evaluate_tensors, uniaxial_tensors, unit_vectors
 from flexscale.mechanics.sheet_law import SheetLaw
@@ -86,7 +86,7 @@ class GapModel:
         return evaluate_tensors(curvature, gap_law.bending, self._table())[1]
 
     def onset(self, direction: ArrayLike, side: str = "closing") -> FloatArray:
-        """Curvature [mm-1] at which scales meet when bent in a direction (degree); inf for never."""
+        """Curvature [mm-1] at which scales meet, bent in a direction (degree); inf for never."""
         return self.tensor_onset(uniaxial_tensors(1.0, direction, side))
 
     def tensor_onset(self, curvature: ArrayLike) -> FloatArray:
@@ -142,11 +142,11 @@ class GapModel:
     def __repr__(self) -> str:
         who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()
         lines = [f"GapModel {who}: {len(self.contact)} gaps of the flat cell"]
-        for name, value in (
-            ("before contact", self.softening), ("of contact", self.contact_softening)
-        ):  # fmt: skip
+        softenings = {"before contact": self.softening, "of contact": self.contact_softening}
+        for name, value in softenings.items():
             if value > 0.0:
-                lines.append(f"  softening {name:<14} halved at an energy of {1 / value:.3g} N mm-1")
+                half = f"halved at an energy of {1.0 / value:.3g} N mm-1"
+                lines.append(f"  moment {name:<14} {half}")
         for side in ("closing", "opening"):
             onset = self.onset(np.arange(0.0, 180.0, 5.0), side)
             least = float(np.min(onset))

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.sheet_model import SheetModel
 from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
 from flexscale.macro.rim import HUB, Rim
 from flexscale.macro.sheet import build_sheet
+from flexscale.macro.sheet_model import SheetModel
 from flexscale.macro.sheet_problem import SheetProblem
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.load_series import finite_series

@@ -192,4 +192,3 @@ class MacroModel:
         if self.n_ignored:
             lines.append(f"  {self.n_ignored} samples that did not converge were ignored")
         return "\n".join(lines)
-

@@ -42,7 +42,7 @@ def evaluate_tensors(
 
 
 def uniaxial_tensors(curvature: ArrayLike, direction: ArrayLike, side: str) -> FloatArray:
-    """(..., 2, 2) mm-1, of bending by curvature (mm-1, >= 0) in direction (degree); these broadcast.
+    """(..., 2, 2) mm-1 of bending by curvatures (mm-1, >= 0) in directions (degree), broadcast.
 
     Raises
     ------

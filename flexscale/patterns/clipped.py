@@ -82,7 +82,7 @@ def clip_pattern(
     tiles = list(cell.tiles)
     if glued:
         tiles = [_at_near_end(tile, length, cell.tolerance) for tile in tiles]
-    carries = np.array([_carries_scale(tile, pattern) for tile in tiles])
+    carries = np.array([carries_scale(tile, pattern) for tile in tiles])
     pieces = list(zip(tiles, cell.sharp, strict=True))
     kept = [piece for piece, yes in zip(pieces, carries, strict=True) if yes]
     bare = [piece for piece, yes in zip(pieces, carries, strict=True) if not yes]
@@ -123,10 +123,10 @@ def _best_place(
         share = (attempt * np.array([0.7548776662, 0.5698402910]) + 0.5) % 1.0 - 0.5
         center = (share if attempt else np.zeros(2)) @ pattern.lattice
         pieces = _cut(pattern, length, width, turn, center)
-        if min(_finest(piece) for piece in pieces) <= SHORTEST * pattern.gap:
+        if min(finest(piece) for piece in pieces) <= SHORTEST * pattern.gap:
             continue
         cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
-        bare = [tile for tile in cell.tiles if not _carries_scale(tile, pattern)]
+        bare = [tile for tile in cell.tiles if not carries_scale(tile, pattern)]
         moved = [_at_near_end(tile, length, cell.tolerance) for tile in bare]
         at_end = sum(touches_end(tile, cell.tolerance) for tile in moved)
         found.append(((at_end, len(bare)), center, cell))
@@ -153,34 +153,48 @@ def _cut(
     """Pieces (n_i, 2) of all tiles on the rectangle, in its coordinates."""
     cosine, sine = np.cos(turn), np.sin(turn)
     rotation = np.array([[cosine, -sine], [sine, cosine]])
-    middle = 0.5 * np.array([length, width])
-    lattice = pattern.lattice @ rotation
-    tiles = [(tile - center) @ rotation + middle for tile in pattern.tiles]
-    reach = np.hypot(length, width) + max(float(np.ptp(tile, axis=0).max()) for tile in tiles)
-    spans = reach * np.linalg.norm(np.linalg.inv(lattice), axis=0)
-    m, n = (np.arange(-int(np.ceil(s)), int(np.ceil(s)) + 1) for s in spans)
-    shifts = np.stack(np.meshgrid(m, n, indexing="ij"), axis=-1).reshape(-1, 2) @ lattice
+    size = np.array([length, width])
     border = shapely.box(0.0, 0.0, length, width)
     pieces = []
-    for tile in tiles:
-        low, high = tile.min(axis=0), tile.max(axis=0)
-        near = ((shifts + high > 0.0) & (shifts + low < [length, width])).all(axis=1)
-        for shift in shifts[near]:
-            parts = shapely.get_parts(shapely.intersection(shapely.Polygon(tile + shift), border))
-            pieces += [
-                np.array(shapely.orient_polygons(part).exterior.coords)[:-1]
-                for part in parts
-                if part.geom_type == "Polygon" and part.area > 1e-9 * length * width
-            ]
+    for tile in tiles_near(pattern, rotation, center, 0.5 * size, size):
+        for part in shapely.get_parts(shapely.intersection(shapely.Polygon(tile), border)):
+            if part.geom_type == "Polygon" and part.area > 1e-9 * length * width:
+                pieces.append(np.array(shapely.orient_polygons(part).exterior.coords)[:-1])
     return pieces
 
 
-def _finest(polygon: FloatArray) -> float:
+def tiles_near(
+    pattern: Pattern, rotation: FloatArray, center: FloatArray, middle: FloatArray, size: FloatArray
+) -> list[FloatArray]:
+    """All tiles (n_i, 2) that may reach into a rectangle [0, size], in its coordinates.
+
+    Parameters
+    ----------
+    rotation : (2, 2) from the pattern's coordinates to the rectangle's, as x @ rotation.
+    center, middle : (2,) mm, point of the pattern, and where on the rectangle it lies.
+    size : (2,) mm.
+    """
+    lattice = pattern.lattice @ rotation
+    tiles = [(tile - center) @ rotation + middle for tile in pattern.tiles]
+    reach = np.hypot(*size) + max(float(np.ptp(tile, axis=0).max()) for tile in tiles)
+    spans = reach * np.linalg.norm(np.linalg.inv(lattice), axis=0)
+    m, n = (np.arange(-int(np.ceil(s)), int(np.ceil(s)) + 1) for s in spans)
+    shifts = np.stack(np.meshgrid(m, n, indexing="ij"), axis=-1).reshape(-1, 2) @ lattice
+    found = []
+    for tile in tiles:
+        low, high = tile.min(axis=0), tile.max(axis=0)
+        near = ((shifts + high > 0.0) & (shifts + low < size)).all(axis=1)
+        found += [tile + shift for shift in shifts[near]]
+    return found
+
+
+def finest(polygon: FloatArray) -> float:
     """Shortest edge of a polygon, or its mean width if that is less, mm."""
     lengths = np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1)
     return float(min(lengths.min(), 2.0 * polygon_area(polygon) / lengths.sum()))
 
 
-def _carries_scale(polygon: FloatArray, pattern: Pattern) -> bool:
+def carries_scale(polygon: FloatArray, pattern: Pattern) -> bool:
+    """Whether a piece is no sliver, and the gap leaves it a scale in one part."""
     outline = inset_corners(polygon, 0.5 * pattern.gap)
     return outline is not None and polygon_area(outline) > SLIVER * pattern.tile_area

@@ -75,7 +75,7 @@ def unilateral_forces(
 
 
 @njit(cache=True)
-def _add_row(compliance, active, row, lower):
+def _add_row(compliance: FloatArray, active: IntArray, row: int, lower: FloatArray) -> bool:
     """Row of the Cholesky factor of the active part; False where it depends on those before."""
     i = active[row]
     for a in range(row):
@@ -93,7 +93,10 @@ def _add_row(compliance, active, row, lower):
 
 
 @njit(cache=True)
-def _solve(lower, missing, active, n, out):
+def _solve(
+    lower: FloatArray, missing: FloatArray, active: IntArray, n: int, out: FloatArray
+) -> None:
+    """Fill out with the forces that make up for what is missing at the active entries."""
     for a in range(n):
         value = missing[active[a]]
         for b in range(a):

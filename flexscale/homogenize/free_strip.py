@@ -1,0 +1,73 @@
+"""A strip of whole and cut scales without ends, bent along its length; its sides are free.
+
+It lies between a cell, which is held straight across, and a narrow sheet: what free sides do to a
+sheet, and that it curls across into a saddle, is all that tells them apart. It is periodic along
+its length, where its mean normal displacement is held as a cell's is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.finite_sheet import FiniteSheet
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.periodic_mesh import FREE
+from flexscale.patterns import Pattern
+from flexscale.patterns.strip import clip_strip
+
+
+class FreeStrip(FiniteSheet):
+    """A strip; the same interface as the periodic cell, bent in the direction 0.
+
+    Parameters
+    ----------
+    pattern : its scales are bodies, its sheet is C1.
+    width : mm.
+    direction : degree, of the strip in the pattern; a lattice vector lies along it.
+    periods : of the pattern along the strip.
+    center : (2,) mm, point of the pattern in the middle of the width.
+    mesh, contact, scales : as for a cell.
+
+    Raises
+    ------
+    PatternError, MeshError : the strip cannot be cut from the pattern, or not be meshed.
+    """
+
+    def __init__(
+        self,
+        pattern: Pattern,
+        width: float,
+        direction: float = 0.0,
+        *,
+        periods: int = 1,
+        center: FloatArray | None = None,
+        mesh: MeshOptions | None = None,
+        contact: ContactOptions | None = None,
+        scales: ScaleOptions | None = None,
+    ) -> None:
+        tiles = clip_strip(pattern, width, direction, periods=periods, center=center)
+        super().__init__(pattern, tiles, mesh=mesh, contact=contact, scales=scales)
+        self.shift_mode = self.embedding.shift_mode[self.active]
+
+    def free_unknowns(self) -> IntArray:
+        """What an element depends on, less what a cell pins; of the lattice's strain Sxx."""
+        free = self.used_unknowns()
+        free[np.setdiff1d(np.arange(len(free)), self.embedding.active)] = False
+        free[-3:] = True, False, False
+        return np.flatnonzero(free)
+
+    def build_system(self) -> None:
+        """Analyze the present pattern of nonzeros, with the mean normal displacement held."""
+        CellProblem.build_system(self)
+
+    def curl(self, z: FloatArray) -> float:
+        """Mean curvature across the strip [mm-1], closing > 0, of a parabola through the sheet."""
+        mesh, inner = self.mesh, self.embedding.inner
+        free = np.flatnonzero(mesh.vertex_kind == FREE)
+        to_z = int(self.embedding.world_map.starts[-1]) - 3 * inner.n_nodes
+        heights = z[inner.vertex_node[free] + to_z + 2]
+        return float(2.0 * np.polyfit(mesh.positions[free, 1], heights, 2)[0])

@@ -1,0 +1,113 @@
+"""The tiles of a pattern on a strip without ends: periodic along its length, cut at its sides."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from flexscale.errors import PatternError
+from flexscale.patterns.cell import TiledCell, build_cell
+from flexscale.patterns.clipped import (
+    SHORTEST,
+    TRIES,
+    SheetTiles,
+    carries_scale,
+    finest,
+    tiles_near,
+)
+from flexscale.patterns.pattern import Pattern
+from flexscale.patterns.prototiles import find_prototiles
+from flexscale.patterns.symmetry import FloatArray
+from flexscale.units import require_finite, require_positive
+
+_LONGEST = 12  # lattice vectors whose sum the strip may follow
+
+
+def clip_strip(
+    pattern: Pattern,
+    width: float,
+    direction: float = 0.0,
+    *,
+    periods: int = 1,
+    center: FloatArray | None = None,
+) -> SheetTiles:
+    """Lay a pattern on a strip along one of its lattice vectors and cut it at the sides.
+
+    Pieces and slivers as of `clip_pattern`.
+
+    Parameters
+    ----------
+    width : mm.
+    direction : degree, of the strip in the pattern; a lattice vector must lie along it.
+    periods : of the pattern along the strip, that the result has.
+    center : (2,) mm, point of the pattern in the middle of the width; else one such that the sides
+        cut off nothing too fine to mesh.
+
+    Raises
+    ------
+    PatternError : no lattice vector lies along the strip, or no place suits.
+    """
+    width = require_positive(width, "strip width", "mm")
+    turn = np.radians(require_finite(direction, "direction", "degree"))
+    cosine, sine = np.cos(turn), np.sin(turn)
+    rotation = np.array([[cosine, -sine], [sine, cosine]])
+    length = periods * _period(pattern, pattern.lattice @ rotation, direction)
+    # A Kronecker sequence: places far from all earlier ones.
+    shares = (np.arange(TRIES) * 0.7548776662 + 0.5) % 1.0 - 0.5
+    tried = shares[:, None] * pattern.lattice.sum(axis=0)  # along no lattice vector
+    for place in tried if center is None else [np.asarray(center)]:
+        pieces = _cut(pattern, rotation, place, length, width)
+        if min(finest(piece) for piece in pieces) > SHORTEST * pattern.gap:
+            break
+    else:
+        raise PatternError(
+            f"The sides of a strip of {width:g} mm along {direction:g} degree cut off pieces finer "
+            f"than {SHORTEST * pattern.gap:.3g} mm: change the width by a few mm, or the center."
+        )
+    cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
+    carries = np.array([carries_scale(tile, pattern) for tile in cell.tiles])
+    kept = np.flatnonzero(carries)
+    tiles = TiledCell(
+        tuple(cell.tiles[k] for k in kept),
+        tuple(cell.sharp[k] for k in kept),
+        cell.lattice,
+        cell.tolerance,
+    )
+    prototiles, copies = find_prototiles(tiles, pattern.gap)
+    bare = tuple((cell.tiles[k], cell.sharp[k]) for k in np.flatnonzero(~carries))
+    no_ends = np.zeros(len(copies), dtype=bool)
+    return SheetTiles(
+        length, width, float(direction), place, prototiles, copies, no_ends, no_ends, bare
+    )
+
+
+def _period(pattern: Pattern, lattice: FloatArray, direction: float) -> float:
+    """Length [mm] of the shortest lattice vector along x, of a lattice in the strip's axes."""
+    steps = np.arange(-_LONGEST, _LONGEST + 1)
+    sums = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) @ lattice
+    size = np.sqrt(pattern.cell_area)
+    along = sums[(sums[:, 0] > 1e-6 * size) & (np.abs(sums[:, 1]) < 1e-6 * size), 0]
+    if not len(along):
+        raise PatternError(
+            f"No lattice vector of the pattern lies along {direction:g} degree: a strip without "
+            "ends needs one, for instance along "
+            f"{np.degrees(np.arctan2(*pattern.lattice[0, ::-1])):.4g} degree."
+        )
+    return float(along.min())
+
+
+def _cut(
+    pattern: Pattern, rotation: FloatArray, center: FloatArray, length: float, width: float
+) -> list[FloatArray]:
+    """Pieces (n_i, 2) of the tiles of one period, in the strip's coordinates."""
+    middle = np.array([0.0, 0.5 * width])
+    band = shapely.box(-1e3 * length, 0.0, 1e3 * length, width)
+    pieces = []
+    for tile in tiles_near(pattern, rotation, center, middle, np.array([length, width])):
+        # Of the copies along the strip, the one whose middle lies in the first period.
+        if not 0.0 <= tile[:, 0].mean() + 1e-9 * length < length:
+            continue
+        for part in shapely.get_parts(shapely.intersection(shapely.Polygon(tile), band)):
+            if part.geom_type == "Polygon" and part.area > 1e-9 * length * width:
+                pieces.append(np.array(shapely.orient_polygons(part).exterior.coords)[:-1])
+    return pieces

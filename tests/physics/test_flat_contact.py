@@ -1,0 +1,134 @@
+"""Gaps of the flat cell: closed forms, native samples, free strips."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import flexscale as fs
+from flexscale.errors import BadInputError, PatternError
+from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.flat_contact import solve_flat_contact
+from flexscale.homogenize.free_strip import FreeStrip
+from flexscale.homogenize.line import Line, follow_line
+from flexscale.solve.newton import SolverOptions
+
+RESULTS = Path(__file__).parents[2] / "results"
+COARSE = fs.MeshOptions().finer(0.5)
+
+
+@pytest.fixture(scope="module")
+def squares() -> fs.GapModel:
+    return fs.gap_model(fs.named_pattern("square"), mesh=COARSE)
+
+
+@pytest.fixture(scope="module")
+def arrowheads() -> fs.GapModel:
+    return fs.gap_model(fs.named_pattern("arrowhead"), mesh=COARSE)
+
+
+def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> None:
+    """All bending is in the gaps, which close at the scales' tops: gap / (height x pitch)."""
+    pattern = fs.named_pattern("square")
+    height = pattern.scale_height + 0.5 * pattern.substrate_thickness
+    expected = pattern.gap / (height * 10.0)
+    np.testing.assert_allclose(squares.onset([0.0, 90.0]), expected, rtol=0.06)
+    assert squares.onset(0.0, "opening") > 1.0
+    # Each of two rows of gaps closes by the curvature across it alone.
+    tensor = np.diag([1.0, 1.0])
+    assert squares.tensor_onset(tensor) == pytest.approx(squares.onset(0.0), rel=0.03)
+
+
+@pytest.mark.parametrize("name", ["hexagon", "arrowhead"])
+def test_onset_is_that_of_native_sweeps(name: str) -> None:
+    """Between the last sample free of contact and the first one in contact, give or take a tenth:
+    the barrier acts before scales meet, and gaps turn as they close."""
+    sweep = fs.open_registry(RESULTS).one(kind="sweep", pattern=name)
+    model = fs.gap_model(fs.named_pattern(name), mesh=COARSE)
+    kappa, checked = sweep["curvature"].values, 0
+    for side in ("closing", "opening"):
+        for direction in sweep["direction"].values:
+            touches = sweep["contact_pairs"].sel(side=side, direction=direction).values > 0
+            if not touches.any():
+                continue
+            first = int(np.argmax(touches))
+            onset = float(model.onset(direction, side))
+            assert 0.9 * kappa[first - 1] < onset < 1.15 * kappa[first]
+            checked += 1
+    assert checked >= len(sweep["direction"])
+
+
+def test_softenings_fitted_to_a_sweep_bring_energies_close() -> None:
+    sweep = fs.open_registry(RESULTS).one(kind="sweep", pattern="hexagon")
+    rough = fs.gap_model(fs.named_pattern("hexagon"), mesh=COARSE)
+    fitted = rough.fitted(sweep)
+    before, after = (np.sqrt(np.mean(m.errors(sweep)[0] ** 2)) for m in (rough, fitted))
+    assert before < 0.15
+    assert after < 0.06
+    with pytest.raises(BadInputError, match="different patterns"):
+        fs.gap_model(fs.named_pattern("square"), sweep, mesh=COARSE)
+
+
+def test_fewer_overlaps_change_little() -> None:
+    problem = CellProblem.from_pattern(fs.named_pattern("arrowhead"), COARSE)
+    rough, fine = (solve_flat_contact(problem, overlap) for overlap in (0.02, 0.005))
+    assert len(rough) < len(fine)
+    for k in ([0.02, -0.01, 0.0], [0.0, -0.025, 0.005], [0.01, 0.01, -0.02]):
+        energies = []
+        for found in (rough, fine):
+            p = found.pressures(np.array(k))
+            energies.append(0.5 * p @ -(found.distances + found.slopes @ k))
+        assert energies[0] == pytest.approx(energies[1], rel=5e-3)
+
+
+def test_without_scales_or_contact_there_are_no_gaps() -> None:
+    problem = CellProblem.from_pattern(
+        fs.named_pattern("square"), COARSE, contact=fs.ContactOptions(enabled=False)
+    )
+    found = solve_flat_contact(problem)
+    assert len(found) == 0
+    assert found.onset(np.array([1.0, 0.0, 0.0])) == np.inf
+
+
+def test_free_strip_curls_and_locks_as_its_flat_cell_says(arrowheads: fs.GapModel) -> None:
+    """Bent along 0 degree, arrowheads curl the other way across, and meet at half the curvature at
+    which those of a cell do that is held straight across."""
+    strip = FreeStrip(fs.named_pattern("arrowhead"), 25.0, mesh=COARSE)
+    native = list(
+        follow_line(strip, Line("closing", 0.0, (0.0, 0.0025, 0.005, 0.0075)), SolverOptions())
+    )[1:]
+    assert float(arrowheads.onset(0.0)) > 0.008
+    for sample in native:
+        assert sample["status"] == 0
+        kappa = sample["curvature"]
+        found = minimize_scalar(
+            lambda curl, k=kappa: arrowheads.tensor_energy(np.diag([k, curl])),
+            bounds=(-0.03, 0.03), method="bounded", options={"xatol": 1e-8},
+        )  # fmt: skip
+        # Of so narrow a strip, whose rows have free sides, contact is softer.
+        assert 0.8 < sample["energy_density"] / found.fun < 1.2
+        # A strip of one and a half rows does not curl evenly.
+        assert strip.curl(sample["state"]) == pytest.approx(found.x, rel=0.2, abs=3e-4)
+    assert native[0]["contact_pairs"] == 0
+    assert native[2]["contact_pairs"] > 0
+
+
+def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
+    pattern, kappa = fs.named_pattern("square"), 0.004
+    energies = []
+    for periods in (1, 2):
+        strip = FreeStrip(pattern, 20.0, periods=periods, mesh=COARSE)
+        line = Line("closing", 0.0, (0.0, kappa - 2e-5, kappa, kappa + 2e-5))
+        samples = list(follow_line(strip, line, SolverOptions()))
+        slope = (samples[3]["energy_density"] - samples[1]["energy_density"]) / 4e-5
+        assert samples[2]["moment"] == pytest.approx(slope, rel=1e-5)
+        energies.append(samples[2]["energy_density"])
+    assert energies[0] == pytest.approx(energies[1], rel=1e-9)
+
+
+def test_strips_need_a_lattice_vector_along_them() -> None:
+    with pytest.raises(PatternError, match="No lattice vector of the pattern lies along 10 degree"):
+        FreeStrip(fs.named_pattern("square"), 20.0, 10.0, mesh=COARSE)

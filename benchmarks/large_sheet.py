@@ -3,13 +3,13 @@
     python benchmarks/large_sheet.py --results DIR [--output FILE]
 
 Datasets are those of DIR. First the native sheets there are, sample by sample: the macro model's
-energy over theirs, with both energies of a curvature tensor, and with a quarter and four times the
-resistance to double curvature. Native sheets are meshed half as finely as the cells that the
-model is fitted to, which makes them stiffer: the row "cell of this mesh" is what that does to the
-cell. Strips of the native sheet turn with the arc, as cells do; macro sheets keep their turn, since
-the law has the work of the moment on that slide in it already. Then macro sheets with the pattern
-turned on them, over the native cell in that direction: what free sides and the fit do. Times are of
-one core.
+energy over theirs, with both energies of a curvature tensor, with a quarter and four times the
+resistance to double curvature, and of the gap model. Native sheets are meshed half as finely as the
+cells that the model is fitted to, which makes them stiffer: the row "cell of this mesh" is what
+that does to the cell. Strips of the native sheet turn with the arc, as cells do; macro sheets keep
+their turn, since the law has the work of the moment on that slide in it already. Then macro sheets
+with the pattern turned on them, over the native cell in that direction: what free sides and the fit
+do. Times are of one core.
 """
 
 from __future__ import annotations
@@ -26,6 +26,10 @@ from report import report
 
 import flexscale as fs
 from flexscale.datasets.registry import Registry
+from flexscale.homogenize.free_strip import FreeStrip
+from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.native_sheet import NativeSheet
+from flexscale.solve.newton import SolverOptions
 
 SIDE = "closing"
 
@@ -60,7 +64,9 @@ def _mesh_of(native: xr.Dataset) -> fs.MeshOptions:
     return fs.MeshOptions(**json.loads(native.attrs["flexscale_config"])["mesh"])
 
 
-def macro_energies(model: fs.MacroModel, native: xr.Dataset) -> tuple[list[float], float]:
+def macro_energies(
+    model: fs.MacroModel | fs.GapModel, native: xr.Dataset
+) -> tuple[list[float], float]:
     """Energy densities of the macro sheet at the native samples, and seconds for all of them."""
     start = time.perf_counter()
     sizes = {name: float(native[name]) for name in ("length", "width", "direction")}
@@ -71,27 +77,40 @@ def macro_energies(model: fs.MacroModel, native: xr.Dataset) -> tuple[list[float
     return found, time.perf_counter() - start
 
 
-def smaller_sheets(native: xr.Dataset, energy: float, cell: float) -> list[str]:
-    """What strips, free sides and cut scales do: also sheets half as long, and half as wide.
+def sides_and_strips(native: xr.Dataset, cell: float) -> list[str]:
+    """What free sides do to a sheet, and what its end strips do.
 
-    energy : of the sheet at its first curvature, cell : of the cell on the same mesh, N/mm.
+    Sheets of the native one's length and width, and of half of either, are compared with strips
+    without ends, which the sides cut at the same places.
+
+    cell : energy density of the periodic cell on the same mesh at the first curvature, N/mm.
     """
     pattern = fs.named_pattern(str(native["pattern"].values))
-    length, width, direction = (float(native[n]) for n in ("length", "width", "direction"))
+    mesh, direction = _mesh_of(native), float(native["direction"])
     curvature = float(native["curvature"][1])
-    halves = []
-    for x, y in ((0.5 * length, width), (length, 0.5 * width)):
-        sheet = fs.simulate_native_sheet(
-            pattern, length=x, width=y, direction=direction, curvatures=[curvature], sides=[SIDE],
-            mesh=_mesh_of(native),
-        )  # fmt: skip
-        halves.append(sheet["energy_density"].item())
+    line = Line(SIDE, 0.0, (0.0, curvature))
+    rows = []
+    for x, y in ((1.0, 1.0), (0.5, 1.0), (1.0, 0.5)):
+        length, width = x * float(native["length"]), y * float(native["width"])
+        sheet = NativeSheet(pattern, length, width, direction, mesh=mesh)
+        strip = FreeStrip(pattern, width, direction, center=sheet.tiles.center, mesh=mesh)
+        held, free = (
+            [*follow_line(problem, line, SolverOptions())][-1]["energy_density"]
+            for problem in (sheet, strip)
+        )
+        rows.append(
+            f"| {length:g} x {width:g} | {held / cell:.3f} | {free / cell:.3f} | "
+            f"{held / free:.3f} | {(held / free - 1.0) * length:.2f} |"
+        )
     return [
         "",
-        f"At {curvature:g} /mm, where nothing touches, the sheet's energy density is "
-        f"{energy / cell:.3f} of that of the periodic cell on the same mesh; half as long "
-        f"{halves[0] / cell:.3f}, half as wide {halves[1] / cell:.3f}.",
-    ]
+        f"Free sides and end strips, at {curvature:g} /mm, where nothing touches: energies of "
+        "sheets over the cell on the same mesh, and over strips without ends that the sides cut at "
+        "the same places.", "",
+        "| sheet, mm | sheet / cell | strip / cell: sides | sheet / strip: ends | (that - 1) x "
+        "length, mm |",
+        "|" + "---|" * 5, *rows,
+    ]  # fmt: skip
 
 
 def against_native(registry: Registry, entry) -> list[str]:
@@ -102,11 +121,12 @@ def against_native(registry: Registry, entry) -> list[str]:
     tangent = registry.one(kind="tangent", pattern=pattern)
     energies = native["energy_density"].sel(side=SIDE).values[1:]
     usual = fs.fit(sweep, tangent)
-    models = {
+    models: dict[str, fs.MacroModel | fs.GapModel] = {
         "tangent (default)": usual,
         "paper": fs.fit(sweep, tangent, variant="paper"),
         "w_biaxial / 4": dataclasses.replace(usual, w_biaxial=0.25 * usual.w_biaxial),
         "w_biaxial x 4": dataclasses.replace(usual, w_biaxial=4.0 * usual.w_biaxial),
+        "gap model": fs.gap_model(fs.named_pattern(pattern), sweep),
     }
     kappa = native["curvature"].values[1:]
     sizes = " x ".join(f"{float(native[name]):g}" for name in ("length", "width"))
@@ -138,7 +158,7 @@ def against_native(registry: Registry, entry) -> list[str]:
     )
     slides = native["slide"].sel(side=SIDE).values[1:]
     rows.append(f"| slide, native [mm] | {' | '.join(f'{v:.2f}' for v in slides)} | |")
-    rows += smaller_sheets(native, float(energies[0]), float(cells[0][0]))
+    rows += sides_and_strips(native, float(cells[0][0]))
     return [*rows, ""]
 
 

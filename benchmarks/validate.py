@@ -95,6 +95,7 @@ ALL = (
     Page("fitted_sheet", (*CELL, "macro"), reads_sweeps=True),
     Page("synthesis", (*CELL, "macro", "fabricate", "synthesis"), reads_sweeps=True),
     Page("rigs", (*CELL, "macro"), reads_sweeps=True),
+    Page("gap_models", (*CELL, "macro"), reads_sweeps=True),
     Page("native_stage", (*CELL, "macro"), reads_sweeps=True),
     Page("large_sheet", (*CELL, "macro"), reads_sweeps=True),
     Page("recompute", (*CELL, "macro"), reads_sweeps=True),

@@ -28,6 +28,7 @@ from flexscale.mechanics.sheet_law import SheetLaw
 if TYPE_CHECKING:
     import xarray as xr
 
+    from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.flat_contact import FlatContact
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -205,19 +206,22 @@ def gap_model(
     """
     # Meshing needs system libraries, which models that are there already can do without.
     from flexscale.homogenize.cell_problem import CellProblem
-    from flexscale.homogenize.flat_contact import solve_flat_contact
     from flexscale.homogenize.labels import pattern_scalars
-    from flexscale.homogenize.tangent import solve_tangent
     from flexscale.mesh.options import MeshOptions
 
     options = mesh or MeshOptions()
     problem = CellProblem.from_pattern(pattern, options, substrate=substrate, scales=scales)
-    tangent, in_plane = read_rest_stiffness(solve_tangent(problem))
-    model = GapModel(
-        tangent,
-        in_plane,
-        solve_flat_contact(problem),
-        w_biaxial=choose_w_biaxial(w_biaxial, in_plane, pattern.tile_area),
-        labels=pattern_scalars(pattern, options),
-    )
+    model = model_of_cell(problem)
+    labels = pattern_scalars(pattern, options)
+    w = choose_w_biaxial(w_biaxial, model.in_plane, pattern.tile_area)
+    model = replace(model, w_biaxial=w, labels=labels)
     return model if sweep is None else model.fitted(sweep)
+
+
+def model_of_cell(problem: CellProblem) -> GapModel:
+    """Stiffness and gaps of a cell problem, in the time of a few factorizations."""
+    from flexscale.homogenize.flat_contact import solve_flat_contact
+    from flexscale.homogenize.tangent import solve_tangent
+
+    tangent, in_plane = read_rest_stiffness(solve_tangent(problem))
+    return GapModel(tangent, in_plane, solve_flat_contact(problem))

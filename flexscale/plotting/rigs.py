@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -17,8 +17,10 @@ from flexscale.plotting.style import (
     COLUMN_WIDTH,
     FAILED_COLOR,
     MACRO_COLOR,
+    MARKERS,
     NATIVE_COLOR,
     PAGE_WIDTH,
+    SCALE_COLOR,
     SIDE_LINESTYLES,
     add_note,
     axis_label,
@@ -26,6 +28,7 @@ from flexscale.plotting.style import (
     new_figure,
 )
 
+_MACRO_LINES, _MACRO_COLORS = ("--", ":", "-."), (MACRO_COLOR, SCALE_COLOR, FAILED_COLOR)
 _FAILED_NOTE = "× at the rim: not converged, left out of the curve"
 _NEEDED = {
     "mandrel": ["mandrel_force", "mandrel_status", "angle", "side", "mandrel_indentation"],
@@ -105,33 +108,34 @@ def mandrels(tests: Sequence[xr.Dataset], side: str, columns: int = 3) -> Figure
     return figure
 
 
-def compared_stages(native: xr.Dataset, macro: xr.Dataset) -> Figure:
-    """Force on the same strip by both models, against the shortening; one panel a side.
+def compared_stages(native: xr.Dataset, macro: Mapping[str, xr.Dataset]) -> Figure:
+    """Force on the same strip by all models, against the shortening; one panel a side.
 
     Parameters
     ----------
-    native, macro : datasets of kinds native_rig and rig.
+    native : dataset of kind native_rig.
+    macro : at most three datasets of kind rig, by the names of their models.
 
     Raises
     ------
     SchemaError : other datasets.
     UnknownNameError : a side that the macro strip was not bent to.
     """
-    for dataset in (native, macro):
+    for dataset in (native, *macro.values()):
         require_variables(dataset, _NEEDED["stage"], "A comparison of strips on the stage")
     sides = pick_sides(native, None)
-    pick_sides(macro, sides)
+    for dataset in macro.values():
+        pick_sides(dataset, sides)
+    looks = zip(("-", *_MACRO_LINES), (NATIVE_COLOR, *_MACRO_COLORS), MARKERS, strict=False)
+    curves = list(zip([("native", native), *macro.items()], looks, strict=False))
     with flexscale_style():
         figure = new_figure(COLUMN_WIDTH * (0.25 + 0.95 * len(sides)), COLUMN_WIDTH * 0.8)
         for column, side in enumerate(sides):
             axes = figure.add_subplot(1, len(sides), column + 1)
-            for dataset, color, line, label in (
-                (native, NATIVE_COLOR, "-", "native"),
-                (macro, MACRO_COLOR, "--", "macro"),
-            ):
+            for (label, dataset), (line, color, marker) in curves:
                 shown = dataset["stage_force"].sel(side=side)
                 shown = shown.where(dataset["stage_status"].sel(side=side) == 0)
-                axes.plot(shown["shortening"], shown, color=color, linestyle=line, marker="o",
+                axes.plot(shown["shortening"], shown, color=color, linestyle=line, marker=marker,
                           markersize=3.0, label=label)  # fmt: skip
             axes.set_xlabel(axis_label(native["shortening"]))
             axes.set_ylabel(axis_label(native["stage_force"]))

@@ -314,13 +314,13 @@ def native_rig(made) -> xr.Dataset:
 def test_a_native_strip_beside_the_fit(made, native_rig) -> None:
     check_dataset(native_rig, "native_rig")
     assert len(failed_samples(native_rig)) == 1
-    closing, opening = compared_stages(native_rig, made["rig"]).axes
+    closing, opening = compared_stages(native_rig, {"macro": made["rig"]}).axes
     native, macro = closing.lines
     np.testing.assert_allclose(2.0 * native.get_ydata(), macro.get_ydata())
     assert np.isnan(opening.lines[0].get_ydata()[1])
     assert closing.get_xlabel() == "shortening of the strip [mm]"
     with pytest.raises(SchemaError, match="strips on the stage"):
-        compared_stages(native_rig, made["sheet"])
+        compared_stages(native_rig, {"macro": made["sheet"]})
 
 
 def test_native_strips_have_numbers_where_they_converged(native_rig) -> None:

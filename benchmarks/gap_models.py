@@ -8,7 +8,8 @@ default fit with its 14 numbers a side. Errors are of native moments, all direct
 and all curvatures above 0: root mean square of the logarithm, and the worst. Onsets are the least
 of all sampled directions; native ones are between the last curvature free of contact and the first
 one in contact. Then strips without ends, with free sides, of the scales themselves, on a mesh half
-as fine as the default: what they do as they grow wider, and contact in a strip that curls across,
+as fine as the default: what they do as they grow wider, what free sides take in contact beside what
+they take of macro sheets (turned_sheet datasets of DIR), and contact in a strip that curls across,
 by the native model, by the gap model of the same mesh, and by the fit, both of a sheet whose
 curvature across is free. A picture of the latter, gap_models.png, goes beside the page.
 """
@@ -132,12 +133,41 @@ def wider_strips(name: str, direction: float) -> list[str]:
         *_, sample = follow_line(strip, Line("closing", 0.0, (0.0, SMALL)), SolverOptions())
         ratio = sample["energy_density"] / straight["energy_density"]
         curl = strip.curl(sample["state"]) / SMALL
-        rows.append([f"{width:.1f}", f"{ratio:.4f}", f"{(ratio - 1.0) * width:.2f}", f"{curl:.3f}"])
+        rows.append([f"{width:.1f}", f"{ratio:.4f}", f"{curl:.3f}"])
     bent_free = free / float(tangent.stiffness(direction))
     return [
         f"### {name}, along {direction:g}°", "",
-        f"Free to curl, the flat cell has {bent_free:.3f} of the energy.", "",
-        *table(["width, mm", "strip / cell", "(that - 1) x width, mm", "curl / curvature"], rows),
+        f"Free to curl, the flat cell has {bent_free:.3f} of the energy that it has held straight "
+        "across.", "",
+        *table(["width, mm", "strip / cell", "curl / curvature"], rows),
+    ]  # fmt: skip
+
+
+def sides_in_contact(registry: Registry) -> list[str]:
+    """What free sides take of the energy of hexagons in contact, by the native model and by both
+    energies of the fit."""
+    pattern = fs.named_pattern("hexagon")
+    turned = registry.one(kind="turned_sheet", pattern="hexagon").sel(side="closing")
+    kappa, width = float(turned["curvature"]), float(turned["width"])
+    curvatures = (*(k for k in CURVATURES if k < kappa), 0.015, kappa)
+    cell = CellProblem.from_pattern(pattern, COARSE)
+    rows = []
+    for direction in (0.0, 30.0):
+        *_, straight = follow_line(cell, Line("closing", direction, curvatures), SolverOptions())
+        strip = FreeStrip(pattern, width, direction, mesh=COARSE)
+        *_, sample = follow_line(strip, Line("closing", 0.0, curvatures), SolverOptions())
+        sheets = turned.sel(direction=direction)
+        shares = [
+            float(one["energy_density"] / one["law_energy_density"])
+            for one in (sheets.sel(variant=variant) for variant in ("tangent", "paper"))
+        ]
+        native = sample["energy_density"] / straight["energy_density"]
+        rows.append([f"{direction:g}", f"{native:.3f}", *(f"{share:.3f}" for share in shares)])
+    return [
+        f"## Free sides in contact: hexagons, {width:g} mm wide, closing at {kappa:g} /mm", "",
+        "Energy with free sides over that held straight across: of a native strip without ends over "
+        "the cell, and of macro sheets between end strips over their law.", "",
+        *table(["direction, °", "native", "tangent energy", "paper's energy"], rows),
     ]  # fmt: skip
 
 
@@ -217,6 +247,7 @@ def main() -> None:
     rows += against_sweeps(registry)
     rows += ["## Strips with free sides, before contact", ""]
     rows += wider_strips("chevron", 0.0) + wider_strips("arrowhead", 0.0)
+    rows += sides_in_contact(registry)
     rows += contact_in_a_saddle(registry, arguments.output.parent if arguments.output else None)
     report(rows, arguments.output)
 

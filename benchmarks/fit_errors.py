@@ -15,15 +15,13 @@ w_biaxial; then the time of one evaluation of its law, with and without Hessian.
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit
-from report import report
+from report import datasets_and_output, report, table
 
 import flexscale as fs
 from flexscale.datasets.variables import ASSESSMENTS, STATISTICS
@@ -101,19 +99,9 @@ def _repeat(count, e, b, parameters, grad, hess):
         law(e, b, parameters, grad, hess)
 
 
-def table(head: list[str], rows: list[list[str]]) -> list[str]:
-    """Markdown."""
-    lines = ["| " + " | ".join(row) + " |" for row in [head, *rows]]
-    return [lines[0], "|" + "---|" * len(head), *lines[1:]]
-
-
 def main() -> None:
     """Print the tables, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder with sweeps")
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    options = parser.parse_args()
-    registry = fs.open_registry(options.results)
+    registry, output = datasets_and_output(__doc__ or "")
     errors: list[list[str]] = []
     numbers: list[list[str]] = []
     for entry in registry.find(kind="sweep"):
@@ -125,7 +113,7 @@ def main() -> None:
     parameters = fs.fit(registry.load(next(iter(registry.find(kind="sweep"))))).law_parameters()
     times = [law_time(parameters, hessian=hessian) for hessian in (False, True)]
     cost = f"Law: {times[0]:.1f} µs with gradient, {times[1]:.1f} µs with Hessian as well."
-    report([*table(ERRORS, errors), "", *table(NUMBERS, numbers), "", cost], options.output)
+    report([*table(ERRORS, errors), "", *table(NUMBERS, numbers), "", cost], output)
 
 
 if __name__ == "__main__":

@@ -16,14 +16,13 @@ curvature across is free. A picture of the latter, gap_models.png, goes beside t
 
 from __future__ import annotations
 
-import argparse
 import time
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
-from report import report
+from report import datasets_and_output, heading, report, table
 from scipy.optimize import minimize_scalar
 
 import flexscale as fs
@@ -48,12 +47,6 @@ WIDTHS = (2, 4, 8)  # lattice vectors
 NARROW = 31.0  # mm, two rows of arrowheads
 CURVATURES = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.0125)  # mm-1
 CURLS = (-0.03, 0.03)  # mm-1, within which the curvature across is sought
-
-
-def table(head: list[str], rows: list[list[str]]) -> list[str]:
-    """Lines of a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return [f"| {' | '.join(line)} |" for line in lines] + [""]
 
 
 def log_errors(ratios: np.ndarray) -> str:
@@ -165,8 +158,8 @@ def sides_in_contact(registry: Registry) -> list[str]:
         rows.append([f"{direction:g}", f"{native:.3f}", *(f"{share:.3f}" for share in shares)])
     return [
         f"## Free sides in contact: hexagons, {width:g} mm wide, closing at {kappa:g} /mm", "",
-        "Energy with free sides over that held straight across: of a native strip without ends over "
-        "the cell, and of macro sheets between end strips over their law.", "",
+        "Energy with free sides over that held straight across: of a native strip without ends "
+        "over the cell, and of macro sheets between end strips over their law.", "",
         *table(["direction, °", "native", "tangent energy", "paper's energy"], rows),
     ]  # fmt: skip
 
@@ -238,18 +231,14 @@ def picture(curves: ArrayLike, path: Path) -> None:
 
 def main() -> None:
     """All of it."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
-    rows = ["# Gap models", "", (__doc__ or "").split("\n\n")[2], ""]
+    registry, output = datasets_and_output(__doc__ or "")
+    rows = heading("Gap models", __doc__ or "")
     rows += against_sweeps(registry)
     rows += ["## Strips with free sides, before contact", ""]
     rows += wider_strips("chevron", 0.0) + wider_strips("arrowhead", 0.0)
     rows += sides_in_contact(registry)
-    rows += contact_in_a_saddle(registry, arguments.output.parent if arguments.output else None)
-    report(rows, arguments.output)
+    rows += contact_in_a_saddle(registry, output.parent if output else None)
+    report(rows, output)
 
 
 if __name__ == "__main__":

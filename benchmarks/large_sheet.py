@@ -14,15 +14,13 @@ do. Times are of one core.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import json
 import time
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from report import report
+from report import datasets_and_output, heading, report
 
 import flexscale as fs
 from flexscale.datasets.registry import Registry
@@ -164,17 +162,13 @@ def against_native(registry: Registry, entry) -> list[str]:
 
 def main() -> None:
     """All native sheets, then all turned ones."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
-    rows = ["# Large sheets", "", (__doc__ or "").split("\n\n")[2], ""]
+    registry, output = datasets_and_output(__doc__ or "")
+    rows = heading("Large sheets", __doc__ or "")
     for entry in registry.find(kind="native_sheet"):
         rows += against_native(registry, entry)
     for entry in registry.find(kind="turned_sheet"):
         rows += turned_sheets(registry, registry.load(entry))
-    report(rows, arguments.output)
+    report(rows, output)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,6 @@ beside the page.
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from functools import cache
@@ -25,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from report import report
+from report import datasets_and_output, heading, report, table
 
 import flexscale as fs
 from flexscale.datasets.registry import Registry
@@ -39,12 +38,6 @@ from flexscale.solve.newton import SolverOptions
 REPEATS = 3
 SQUARES = {"opening": (0.1,), "closing": (0.05, 0.2)}  # shortenings, mm
 SQUARES_LENGTH, SQUARES_WIDTH = 30.0, 10.0  # mm
-
-
-def table(head: list[str], rows: list[list[str]]) -> list[str]:
-    """Lines of a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return [f"| {' | '.join(line)} |" for line in lines] + [""]
 
 
 def mesh_convergence() -> list[str]:
@@ -198,17 +191,13 @@ def against_macro(registry: Registry, native: xr.Dataset, folder: Path | None) -
 
 def main() -> None:
     """All native strips there are."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
-    rows = ["# Native strips on the stage", "", (__doc__ or "").split("\n\n")[2], ""]
-    folder = arguments.output.parent if arguments.output else None
+    registry, output = datasets_and_output(__doc__ or "")
+    rows = heading("Native strips on the stage", __doc__ or "")
+    folder = output.parent if output else None
     for entry in registry.find(kind="native_rig"):
         rows += against_macro(registry, registry.load(entry), folder)
     rows += mesh_convergence()
-    report(rows, arguments.output)
+    report(rows, output)
 
 
 if __name__ == "__main__":

@@ -12,14 +12,10 @@ the way back from the next curvature met another equilibrium.
 
 from __future__ import annotations
 
-import argparse
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
-from report import report
+from report import datasets_and_output, report
 
-import flexscale as fs
 from flexscale.datasets.onset import contact_onset
 from flexscale.status import SolveStatus
 
@@ -124,11 +120,7 @@ def branches(name: str, sweep: xr.Dataset) -> list[str]:
 
 def main() -> None:
     """All sweeps of a results folder."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
+    registry, output = datasets_and_output(__doc__ or "")
     found = [registry.load(entry) for entry in registry.find(kind="sweep")]
     found = [sweep for sweep in found if sweep["curvature"].max() >= FAR]
     sweeps = {str(sweep["pattern"].item()): sweep for sweep in found}
@@ -151,7 +143,7 @@ def main() -> None:
     rows += ["Energy / moment on the way back, relative to the way on, at curvatures [mm-1].", ""]
     rows += ["| pattern | side | direction | way back |", "|---|---|---|---|"]
     rows += [line for name, sweep in sweeps.items() for line in branches(name, sweep)]
-    report(rows, arguments.output)
+    report(rows, output)
 
 
 if __name__ == "__main__":

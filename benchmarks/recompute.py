@@ -12,17 +12,14 @@ iterations and contact pairs, are not listed.
 
 from __future__ import annotations
 
-import argparse
 import os
-from pathlib import Path
 
-from report import report
+from report import datasets_and_output, heading, report
 
 from flexscale.steps.environment import single_threaded
 
 single_threaded(os.environ)  # as jobs run; before numpy is imported
 
-import flexscale as fs  # noqa: E402
 from flexscale.steps.recompute import ROUNDING, recompute  # noqa: E402
 
 #: Kind -> patterns; sweeps take minutes.
@@ -38,12 +35,8 @@ CHOSEN = {
 
 def main() -> None:
     """One row a dataset."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the table to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
-    rows = ["# Datasets computed again", "", (__doc__ or "").split("\n\n")[2], ""]
+    registry, output = datasets_and_output(__doc__ or "")
+    rows = heading("Datasets computed again", __doc__ or "")
     rows += ["| dataset | pattern | made by | digest | largest difference | s |", "|---" * 6 + "|"]
     for kind, patterns in CHOSEN.items():
         for pattern in patterns:
@@ -60,7 +53,7 @@ def main() -> None:
                     f"{found.seconds:.0f}",
                 ]
                 rows.append(f"| {' | '.join(cells)} |")
-    report(rows, arguments.output)
+    report(rows, output)
 
 
 if __name__ == "__main__":

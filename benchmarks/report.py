@@ -1,9 +1,12 @@
-"""What all benchmarks share: --output FILE, and tables that go to the terminal and to that file."""
+"""What all benchmarks share: --results DIR, --output FILE, tables that go to terminal and file."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+
+import flexscale as fs
+from flexscale.datasets.registry import Registry
 
 
 def output_file(doc: str) -> Path | None:
@@ -11,6 +14,26 @@ def output_file(doc: str) -> Path | None:
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
     return parser.parse_args().output
+
+
+def datasets_and_output(doc: str) -> tuple[Registry, Path | None]:
+    """The registry of --results, which must be given, and the file of --output, if given."""
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
+    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
+    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
+    options = parser.parse_args()
+    return fs.open_registry(options.results), options.output
+
+
+def heading(title: str, doc: str) -> list[str]:
+    """Title, and what the benchmark's docstring says below its command."""
+    return [f"# {title}", "", doc.split("\n\n")[2].rstrip(), ""]
+
+
+def table(head: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return [f"| {' | '.join(line)} |" for line in lines] + [""]
 
 
 def report(rows: list[str], output: Path | None) -> None:

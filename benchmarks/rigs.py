@@ -11,12 +11,10 @@ solve, on one core.
 
 from __future__ import annotations
 
-import argparse
 import time
-from pathlib import Path
 
 import numpy as np
-from report import report
+from report import datasets_and_output, heading, report, table
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
@@ -33,12 +31,6 @@ LOBES = ("hexagon", "square", "pinwheel4", "arrowhead")
 LOBE_SIZE = 6.25  # mm
 SHORTENINGS = (0.1, 0.5, 2.0, 10.0, 30.0, 50.0)
 STAGE_SHORTENINGS = (0.5, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0)
-
-
-def table(head: list[str], rows: list[list[str]]) -> list[str]:
-    """Lines of a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return [f"| {' | '.join(line)} |" for line in lines] + [""]
 
 
 def isotropic_disc() -> list[str]:
@@ -133,18 +125,14 @@ def stage_sides(model: fs.MacroModel) -> list[str]:
 
 def main() -> None:
     """All tables."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
+    registry, output = datasets_and_output(__doc__ or "")
     models = {
         name: fs.MacroModel.from_dataset(registry.one(kind="fit", pattern=name)) for name in LOBES
     }
-    rows = ["# Mandrel and stage", "", (__doc__ or "").split("\n\n")[2], ""]
+    rows = heading("Mandrel and stage", __doc__ or "")
     rows += isotropic_disc() + convergence() + lobes(models)
     rows += stage_against_elastica() + stage_sides(models["arrowhead"])
-    report(rows, arguments.output)
+    report(rows, output)
 
 
 if __name__ == "__main__":

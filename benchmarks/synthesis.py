@@ -14,11 +14,9 @@ own simulation.
 
 from __future__ import annotations
 
-import argparse
 import time
-from pathlib import Path
 
-from report import report
+from report import datasets_and_output, heading, report
 
 import flexscale as fs
 
@@ -60,19 +58,15 @@ def rows_of(name: str, model: fs.MacroModel, curvature: float) -> list[str]:
 
 def main() -> None:
     """All four patterns at both curvatures."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--results", type=Path, required=True, help="folder of the datasets")
-    parser.add_argument("--output", type=Path, help="write the table to this Markdown file too")
-    arguments = parser.parse_args()
-    registry = fs.open_registry(arguments.results)
-    rows = ["# Scales on bent sheets", "", (__doc__ or "").split("\n\n")[2].rstrip(), ""]
+    registry, output = datasets_and_output(__doc__ or "")
+    rows = heading("Scales on bent sheets", __doc__ or "")
     rows += [HEAD, "|" + "---|" * 14]
     for name in PATTERNS:
         entry = next(iter(registry.find(kind="fit", pattern=name)))
         model = fs.MacroModel.from_dataset(registry.load(entry))
         for curvature in CURVATURES:
             rows += rows_of(name, model, curvature)
-    report(rows, arguments.output)
+    report(rows, output)
 
 
 if __name__ == "__main__":

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 
-from flexscale.datasets.store import Store
+from flexscale.datasets.store import Entry, Store
 from flexscale.steps.events import EventWriter
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
 from flexscale.steps.worker import run_job
+from tests.unit.fit_samples import law_sweep
 
 
 class Stopped(Exception):
@@ -36,3 +39,30 @@ def test_a_native_sheet_goes_on_from_the_samples_it_has_kept(
         with pytest.raises(Stopped):
             run_job(plan, job, Store(tmp_path), 1, EventWriter(None))
     assert seen == [[], [{"energy": 1.0}]]
+
+
+def test_records_have_the_processor_time_of_the_step(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Not the time in which the job waited."""
+    content = {"patterns": {"square": {"family": "IH76"}}, "native_sheet": {}}
+    plan = build_plan(parse_experiment(content, "file.yaml"))
+    (job,) = (job for job in plan if job.step == "native_sheet")
+    records: list[dict[str, Any]] = []
+
+    def busy(parameters: object, inputs: object, resources: object) -> xr.Dataset:
+        end = time.process_time() + 0.3
+        while time.process_time() < end:
+            pass
+        time.sleep(0.5)
+        return law_sweep()
+
+    def publish(store: Store, *facts: Any) -> Entry:
+        records.append(facts[-1])
+        return Entry("native_sheet", "0" * 64, "0" * 64, tmp_path, {})
+
+    monkeypatch.setattr("flexscale.steps.native_sheet.compute", busy)
+    monkeypatch.setattr(Store, "publish", publish)
+    run_job(plan, job, Store(tmp_path), 1, EventWriter(None))
+    assert 0.3 <= records[0]["cpu_seconds"] < 0.6
+    assert records[0]["wall_seconds"] >= 0.8

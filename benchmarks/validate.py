@@ -6,7 +6,8 @@
 at its end has the commit, the time it took, and a digest of the sources that its numbers depend on.
 A page whose digest is still right is not made again, so that an interrupted run goes on where it
 stopped; README.md beside the pages lists them all. Benchmarks of sweeps take those of DIR, after
-running workflows/named_patterns.yaml there to its end. All of it takes hours on two cores.
+running workflows/named_patterns.yaml there to its end; full characterizations go to a folder beside
+DIR. All of it takes hours on two cores.
 """
 
 from __future__ import annotations
@@ -32,12 +33,13 @@ FOOTER = re.compile(r"\n\*Made by `(.+)` in (\d+) s, commit (\w+), sources (\w+)
 class Page:
     """A benchmark: the rooms of flexscale that its numbers depend on, and whether it reads sweeps.
 
-    One that keeps its own results (`own_output`) takes no --output.
+    `reads` names the workflow whose sweeps it reads. One that keeps its own results (`own_output`)
+    takes no --output.
     """
 
     name: str
     rooms: tuple[str, ...] = CELL
-    reads_sweeps: bool = False
+    reads: str = ""
     own_output: bool = False
 
     @property
@@ -86,28 +88,29 @@ ALL = (
     Page("bending_measures"),
     Page("contact_convergence"),
     Page("branches"),
-    Page("never_stuck", reads_sweeps=True),
+    Page("never_stuck", reads="named_patterns"),
+    Page("full_characterization", reads="full_characterization"),
     Page("quickstart_states"),
     Page("newton_iteration"),
     Page("solver_speed"),
     Page("supercells"),
-    Page("fit_errors", (*CELL, "macro"), reads_sweeps=True),
-    Page("fitted_sheet", (*CELL, "macro"), reads_sweeps=True),
-    Page("synthesis", (*CELL, "macro", "fabricate", "synthesis"), reads_sweeps=True),
-    Page("rigs", (*CELL, "macro"), reads_sweeps=True),
-    Page("gap_models", (*CELL, "macro"), reads_sweeps=True),
-    Page("native_stage", (*CELL, "macro"), reads_sweeps=True),
-    Page("large_sheet", (*CELL, "macro"), reads_sweeps=True),
-    Page("recompute", (*CELL, "macro"), reads_sweeps=True),
+    Page("fit_errors", (*CELL, "macro"), reads="named_patterns"),
+    Page("fitted_sheet", (*CELL, "macro"), reads="named_patterns"),
+    Page("synthesis", (*CELL, "macro", "fabricate", "synthesis"), reads="named_patterns"),
+    Page("rigs", (*CELL, "macro"), reads="named_patterns"),
+    Page("gap_models", (*CELL, "macro"), reads="named_patterns"),
+    Page("native_stage", (*CELL, "macro"), reads="named_patterns"),
+    Page("large_sheet", (*CELL, "macro"), reads="named_patterns"),
+    Page("recompute", (*CELL, "macro"), reads="named_patterns"),
     Page("macro_shell", SHEET),
     Page("registry", ("datasets",)),
     Page("fabricate", ("tilings", "patterns", "fabricate")),
 )
 
 
-def run_sweeps(results: Path) -> None:
+def run_sweeps(workflow: str, results: Path) -> None:
     """The twelve named patterns to their end; what is there already is not done again."""
-    experiment = ROOT / "workflows" / "named_patterns.yaml"
+    experiment = ROOT / "workflows" / f"{workflow}.yaml"
     command = [sys.executable, "-m", "flexscale.cli", "run", str(experiment)]
     done = subprocess.run([*command, "--results", str(results)], check=False, cwd=ROOT)
     if done.returncode not in (0, 3):  # 3: some samples did not converge, which the page tells
@@ -118,8 +121,10 @@ def make(page: Page, results: Path) -> None:
     """Run a benchmark and sign its page; an old page stays where the benchmark fails."""
     shown = f"python benchmarks/{page.name}.py"
     command = [sys.executable, str(page.script)]
-    if page.reads_sweeps:
-        run_sweeps(results)
+    if page.reads:
+        # Other pages look for the one sweep of a pattern: full ones have a folder of their own.
+        results = results if page.reads == "named_patterns" else results.with_name(page.reads)
+        run_sweeps(page.reads, results)
         command += ["--results", str(results)]
         shown += " --results DIR"
     fresh = page.path.with_suffix(".new")

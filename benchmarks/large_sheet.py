@@ -135,7 +135,7 @@ def against_native(registry: Registry, entry) -> list[str]:
         "over the native sheet's.", "",
         f"| model | {' | '.join(f'{k:g} /mm' for k in kappa)} | s |",
         "|" + "---|" * (len(kappa) + 2),
-        f"| native [N/mm] | {shown} | {run['wall_seconds']:.0f} |",
+        f"| native [N/mm] | {shown} | {run['cpu_seconds']:.0f} |",
     ]  # fmt: skip
     for name, model in models.items():
         found, seconds = macro_energies(model, native)

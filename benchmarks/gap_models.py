@@ -51,7 +51,7 @@ CURLS = (-0.03, 0.03)  # mm-1, within which the curvature across is sought
 
 def log_errors(ratios: np.ndarray) -> str:
     """Root mean square / worst of ratios, in %."""
-    off = np.abs(np.log(ratios))
+    off = np.abs(np.log(ratios[np.isfinite(ratios)]))
     return f"{100 * np.sqrt(np.mean(off**2)):.1f} / {100 * off.max():.0f}"
 
 

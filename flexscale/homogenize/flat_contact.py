@@ -20,6 +20,7 @@ open at sample curvatures: one after the other, where scales would overlap most.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,9 @@ from flexscale.mechanics.contact import ScaleContact
 from flexscale.mechanics.contact_gaps import LinearGaps
 from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.solve.unilateral import unilateral_forces
+from flexscale.units import require_positive
+
+log = logging.getLogger(__name__)
 
 REACH = 1.5  # gaps, in which distances at rest are looked at
 OVERLAP = 0.02  # of a gap, by which scales may still overlap at the sample curvatures
@@ -83,7 +87,12 @@ def solve_flat_contact(problem: CellProblem, overlap: float = OVERLAP) -> FlatCo
     Parameters
     ----------
     overlap : of a gap, by which scales may still overlap at the sample curvatures.
+
+    Raises
+    ------
+    UnitRangeError : overlap not above 0.
     """
+    overlap = require_positive(overlap, "overlap", "of a gap")
     if problem.contact is None:
         return FlatContact(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 0)))
     return _Search(problem, problem.contact, overlap * problem.model.gap).run()
@@ -111,9 +120,12 @@ class _Search:
             found = self._contact()
             pressures = np.array([found.pressures(k) for k in samples]).reshape(len(samples), -1)
             left = self.gaps.distances + samples @ self.slopes.T + pressures @ self.answers.T
+            left[:, self.taken] = np.inf  # open but for rounding
             if left.min() >= -self.overlap:
                 break
             self._take(self._worst(left))
+        if len(self.taken) >= MOST:
+            log.warning("Contact of the flat cell keeps %d gaps and would need more.", MOST)
         return self._contact()
 
     def _worst(self, left: FloatArray) -> IntArray:
@@ -123,7 +135,7 @@ class _Search:
         gaps, order = sample[short], np.argsort(gap[short], kind="stable")
         pairs = self.gaps.bodies[gaps][order]
         found: IntArray = gaps[order][np.unique(pairs, return_index=True)[1]]
-        return found[~np.isin(found, self.taken)]
+        return found
 
     def _take(self, new: IntArray) -> None:
         surface, world_map = self.contact.surface, self.problem.embedding.world_map

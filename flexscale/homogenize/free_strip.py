@@ -2,14 +2,18 @@
 
 It lies between a cell, which is held straight across, and a narrow sheet: what free sides do to a
 sheet, and that it curls across into a saddle, is all that tells them apart. It is periodic along
-its length, where its mean normal displacement is held as a cell's is.
+its length, where its mean normal displacement is held as a cell's is. It does not twist: strips of
+patterns without a mirror along or across them would, and are stiffer so.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.embedding.curvature_map import Bend
+from flexscale.errors import BadInputError
+from flexscale.homogenize.cell_problem import BentCell, CellProblem
 from flexscale.homogenize.finite_sheet import FiniteSheet
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import FloatArray, IntArray
@@ -44,7 +48,7 @@ class FreeStrip(FiniteSheet):
         direction: float = 0.0,
         *,
         periods: int = 1,
-        center: FloatArray | None = None,
+        center: ArrayLike | None = None,
         mesh: MeshOptions | None = None,
         contact: ContactOptions | None = None,
         scales: ScaleOptions | None = None,
@@ -59,6 +63,20 @@ class FreeStrip(FiniteSheet):
         free[np.setdiff1d(np.arange(len(free)), self.embedding.active)] = False
         free[-3:] = True, False, False
         return np.flatnonzero(free)
+
+    def bent(self, bend: Bend) -> BentCell:
+        """The strip's energy under a bend along its length.
+
+        Raises
+        ------
+        BadInputError : another direction, in which its sides would undo the bend.
+        """
+        if bend.curvature != 0.0 and bend.direction != 0.0:
+            raise BadInputError(
+                "A free strip is bent along its length only, in the direction 0, not in "
+                f"{np.degrees(bend.direction):g} degree: give the direction to the strip itself."
+            )
+        return super().bent(bend)
 
     def build_system(self) -> None:
         """Analyze the present pattern of nonzeros, with the mean normal displacement held."""

@@ -105,7 +105,7 @@ def _contact(
     """W_c, its gradient (3,) by k, and its Hessian (3, 3); a `twice` of shape (0, 0) is skipped."""
     n = int(table[_N])
     slopes, compliances = _GAPS + n, _GAPS + 4 * n
-    compliance = table[compliances : compliances + n * n].copy().reshape((n, n))
+    compliance = table[compliances : compliances + n * n].reshape((n, n))
     missing = np.empty(n)
     for i in range(n):
         missing[i] = -table[_GAPS + i]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,12 @@ from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.law_table import build_rest_table
 from flexscale.macro.rest_stiffness import read_rest_stiffness, require_same_cell
 from flexscale.macro.samples import Samples, read_samples
-from flexscale.macro.tensors import evaluate_tensors, uniaxial_tensors, unit_vectors
+from flexscale.macro.tensors import (
+    evaluate_tensors,
+    require_tensors,
+    uniaxial_tensors,
+    unit_vectors,
+)
 from flexscale.mechanics.sheet_law import SheetLaw
 
 if TYPE_CHECKING:
@@ -30,6 +35,7 @@ if TYPE_CHECKING:
 
     from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.flat_contact import FlatContact
+    from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
     from flexscale.mesh.options import MeshOptions
@@ -92,7 +98,7 @@ class GapModel:
 
     def tensor_onset(self, curvature: ArrayLike) -> FloatArray:
         """By how much curvature tensors (…, 2, 2) may be multiplied until scales meet; or inf."""
-        k = np.asarray(curvature, dtype=float)
+        k = require_tensors(curvature)
         return self.contact.onset(
             np.stack([k[..., 0, 0], k[..., 1, 1], k[..., 0, 1] + k[..., 1, 0]], axis=-1)
         )
@@ -113,32 +119,45 @@ class GapModel:
         """The model with softenings fitted to a sweep of the same cell.
 
         Least squares of the relative errors of energies and moments, all directions and both sides
-        alike.
+        alike. A sweep in which no gap closes says nothing of contact, whose softening stays.
 
         Raises
         ------
         SchemaError, BadInputError : not a sweep, too small a one, or one of another cell.
         """
-        samples = read_samples(sweep)
-        require_same_cell(stiffness_harmonics(self.tangent), samples)
-
-        def off(softenings: FloatArray) -> FloatArray:
-            s, s_c = softenings
-            model = replace(self, softening=float(s), contact_softening=float(s_c))
-            return np.concatenate([np.log(ratio) for ratio in _ratios(model, samples)])
-
-        found = least_squares(off, [1.0, 1.0], bounds=(0.0, np.inf), diff_step=1e-3).x
-        return replace(
-            self,
-            softening=float(found[0]),
-            contact_softening=float(found[1]),
-            largest_curvature=float(samples.curvatures[-1]),
+        samples = self._samples(sweep)
+        touches = any(
+            bool((self.onset(samples.directions, side) < samples.curvatures[-1]).any())
+            for side in samples.sides
         )
+        names = ["softening", "contact_softening"][: 1 + touches]
+
+        def with_values(values: FloatArray) -> GapModel:
+            changes: dict[str, Any] = dict(zip(names, map(float, values), strict=True))
+            return replace(self, largest_curvature=float(samples.curvatures[-1]), **changes)
+
+        def off(values: FloatArray) -> FloatArray:
+            # A native moment behind a snap may be negative; that sample does not count.
+            ratios = np.concatenate(_ratios(with_values(values), samples))
+            return np.log(ratios[ratios > 0.0])
+
+        start = np.ones(len(names))
+        return with_values(least_squares(off, start, bounds=(0.0, np.inf), diff_step=1e-3).x)
 
     def errors(self, sweep: xr.Dataset) -> tuple[FloatArray, FloatArray]:
-        """Relative errors of energies and of moments at the converged samples of a sweep, (n,)."""
-        energy, moment = _ratios(self, read_samples(sweep))
+        """Relative errors of energies and of moments at the converged samples of a sweep, (n,).
+
+        Raises
+        ------
+        SchemaError, BadInputError : not a sweep, too small a one, or one of another cell.
+        """
+        energy, moment = _ratios(self, self._samples(sweep))
         return energy - 1.0, moment - 1.0
+
+    def _samples(self, sweep: xr.Dataset) -> Samples:
+        samples = read_samples(sweep)
+        require_same_cell(stiffness_harmonics(self.tangent), samples)
+        return samples
 
     def __repr__(self) -> str:
         who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()
@@ -177,6 +196,7 @@ def gap_model(
     mesh: MeshOptions | None = None,
     substrate: SubstrateOptions | None = None,
     scales: ScaleOptions | None = None,
+    contact: ContactOptions | None = None,
     w_biaxial: float | None = None,
 ) -> GapModel:
     """The macro model of a pattern's flat cell, in seconds.
@@ -187,8 +207,8 @@ def gap_model(
     sweep : dataset of kind sweep of the same cell, to which two softenings are fitted; without one
         there are none, and the model is too stiff by what benchmarks/gap_models.py tells.
     mesh : element sizes; the default mesh if not given.
-    substrate, scales : elements of the sheet, and how scales are modeled; the defaults if not
-        given.
+    substrate, scales, contact : elements of the sheet, how scales are modeled, and over which edge
+        they touch; the defaults if not given.
     w_biaxial : N mm3, resistance to double curvature [Eq. 13]; see `biaxial` for its default.
 
     Raises
@@ -210,7 +230,9 @@ def gap_model(
     from flexscale.mesh.options import MeshOptions
 
     options = mesh or MeshOptions()
-    problem = CellProblem.from_pattern(pattern, options, substrate=substrate, scales=scales)
+    problem = CellProblem.from_pattern(
+        pattern, options, contact=contact, substrate=substrate, scales=scales
+    )
     model = model_of_cell(problem)
     labels = pattern_scalars(pattern, options)
     w = choose_w_biaxial(w_biaxial, model.in_plane, pattern.tile_area)

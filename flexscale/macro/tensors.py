@@ -24,6 +24,22 @@ def evaluate_tensors(
     ------
     UnitRangeError : not symmetric 2 by 2 matrices of finite numbers.
     """
+    tensors = require_tensors(curvature)
+    forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
+    energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))
+    bending(forms, table, energies, gradients)
+    # The derivative by b12 counts both off-diagonals.
+    moments = gradients[:, [0, 1, 1, 2]] * [1.0, 0.5, 0.5, 1.0]
+    return energies.reshape(tensors.shape[:-2]), moments.reshape(tensors.shape)
+
+
+def require_tensors(curvature: ArrayLike) -> FloatArray:
+    """Curvature tensors (..., 2, 2) in mm-1, checked.
+
+    Raises
+    ------
+    UnitRangeError : not symmetric 2 by 2 matrices of finite numbers.
+    """
     tensors = np.asarray(curvature, dtype=float)
     if tensors.shape[-2:] != (2, 2) or not np.isfinite(tensors).all():
         raise UnitRangeError(
@@ -33,12 +49,7 @@ def evaluate_tensors(
     off = np.abs(tensors[..., 0, 1] - tensors[..., 1, 0])
     if np.any(off > 1e-9 * np.abs(tensors).max(axis=(-2, -1))):  # more than rounding
         raise UnitRangeError(f"Curvature tensors are symmetric, but {curvature!r} is not.")
-    forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
-    energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))
-    bending(forms, table, energies, gradients)
-    # The derivative by b12 counts both off-diagonals.
-    moments = gradients[:, [0, 1, 1, 2]] * [1.0, 0.5, 0.5, 1.0]
-    return energies.reshape(tensors.shape[:-2]), moments.reshape(tensors.shape)
+    return tensors
 
 
 def uniaxial_tensors(curvature: ArrayLike, direction: ArrayLike, side: str) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import TiledCell, build_cell
@@ -29,7 +30,7 @@ def clip_strip(
     direction: float = 0.0,
     *,
     periods: int = 1,
-    center: FloatArray | None = None,
+    center: ArrayLike | None = None,
 ) -> SheetTiles:
     """Lay a pattern on a strip along one of its lattice vectors and cut it at the sides.
 
@@ -51,18 +52,25 @@ def clip_strip(
     turn = np.radians(require_finite(direction, "direction", "degree"))
     cosine, sine = np.cos(turn), np.sin(turn)
     rotation = np.array([[cosine, -sine], [sine, cosine]])
-    length = periods * _period(pattern, pattern.lattice @ rotation, direction)
-    # A Kronecker sequence: places far from all earlier ones.
+    if periods != int(periods) or periods < 1:
+        raise PatternError(
+            f"A strip has a whole number of periods, at least 1, along it, not {periods!r}."
+        )
+    period = _period(pattern, pattern.lattice @ rotation, direction)
+    length = int(periods) * period
+    # A Kronecker sequence, places far from all earlier ones, over the spacing of lattice rows.
     shares = (np.arange(TRIES) * 0.7548776662 + 0.5) % 1.0 - 0.5
-    tried = shares[:, None] * pattern.lattice.sum(axis=0)  # along no lattice vector
-    for place in tried if center is None else [np.asarray(center)]:
+    rows = pattern.cell_area / period * np.array([-sine, cosine])
+    for place in shares[:, None] * rows if center is None else [_checked(center, pattern)]:
         pieces = _cut(pattern, rotation, place, length, width)
         if min(finest(piece) for piece in pieces) > SHORTEST * pattern.gap:
             break
     else:
+        where = "wherever the pattern lies" if center is None else "with the pattern lying there"
         raise PatternError(
             f"The sides of a strip of {width:g} mm along {direction:g} degree cut off pieces finer "
-            f"than {SHORTEST * pattern.gap:.3g} mm: change the width by a few mm, or the center."
+            f"than {SHORTEST * pattern.gap:.3g} mm, {where}: change the width by a few mm, or the "
+            "center."
         )
     cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
     carries = np.array([carries_scale(tile, pattern) for tile in cell.tiles])
@@ -79,6 +87,16 @@ def clip_strip(
     return SheetTiles(
         length, width, float(direction), place, prototiles, copies, no_ends, no_ends, bare
     )
+
+
+def _checked(center: ArrayLike, pattern: Pattern) -> FloatArray:
+    """A point (2,) of the pattern, mm, moved into the cell at the origin."""
+    point = np.asarray(center, dtype=float)
+    if point.shape != (2,) or not np.isfinite(point).all():
+        raise PatternError(f"The center of a strip is a point (x, y) in mm, not {center!r}.")
+    shares = point @ np.linalg.inv(pattern.lattice)
+    moved: FloatArray = (shares - np.round(shares)) @ pattern.lattice
+    return moved
 
 
 def _period(pattern: Pattern, lattice: FloatArray, direction: float) -> float:

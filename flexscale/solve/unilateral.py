@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from flexscale.mechanics.energy import FloatArray, IntArray
 
@@ -24,9 +25,8 @@ def unilateral_forces(
 
     Parameters
     ----------
-    compliance : (n, n) S, symmetric and not negative. Of entries that depend on others, such as
-        copies, some stay out.
-    missing : (n,) m.
+    compliance : (n, n) S, symmetric and not negative; entries may depend on others.
+    missing : (n,) m. Where no p fulfills all, as S is singular, some stay short.
 
     Returns
     -------
@@ -49,11 +49,18 @@ def unilateral_forces(
         if enters < 0:
             break
         active[n_active], forces[n_active] = enters, 0.0
-        if not _add_row(compliance, active, n_active, lower):
-            out[enters] = True
-            continue
-        acts[enters] = True
-        n_active += 1
+        if _add_row(compliance, active, n_active, lower):
+            acts[enters] = True
+            n_active += 1
+        else:
+            # What enters does as those that act do together: it takes over until one is released.
+            released = _take_over(lower, n_active, forces, wanted)
+            if released < 0:
+                out[enters] = True
+                continue
+            acts[active[released]], acts[enters] = False, True
+            active[released], forces[released] = enters, forces[n_active]
+            n_active = _rows_from(compliance, active, forces, acts, released, n_active, lower)
         while n_active > 0:
             _solve(lower, missing, active, n_active, wanted)
             share, leaves = 1.0, -1
@@ -69,8 +76,7 @@ def unilateral_forces(
             n_active -= 1
             for a in range(leaves, n_active):
                 active[a], forces[a] = active[a + 1], forces[a + 1]
-            for a in range(leaves, n_active):
-                _add_row(compliance, active, a, lower)
+            n_active = _rows_from(compliance, active, forces, acts, leaves, n_active, lower)
     return n_active
 
 
@@ -90,6 +96,49 @@ def _add_row(compliance: FloatArray, active: IntArray, row: int, lower: FloatArr
         return False
     lower[row, row] = np.sqrt(value)
     return True
+
+
+@njit(cache=True)
+def _rows_from(
+    compliance: FloatArray,
+    active: IntArray,
+    forces: FloatArray,
+    acts: NDArray[np.bool_],
+    first: int,
+    n: int,
+    lower: FloatArray,
+) -> int:
+    """Rows of the factor from `first` on; leaves out what rounding makes depend on those before."""
+    row = first
+    for a in range(first, n):
+        active[row], forces[row] = active[a], forces[a]
+        if _add_row(compliance, active, row, lower):
+            row += 1
+        else:
+            acts[active[row]] = False
+    return row
+
+
+@njit(cache=True)
+def _take_over(lower: FloatArray, n: int, forces: FloatArray, shares: FloatArray) -> int:
+    """Move force from the first n entries to the one after, whose row of the factor is there.
+
+    All distances stay as they are. Returns the first entry without force, -1 where none gets there.
+    """
+    for a in range(n - 1, -1, -1):
+        value = lower[n, a]
+        for b in range(a + 1, n):
+            value -= lower[b, a] * shares[b]
+        shares[a] = value / lower[a, a]
+    step, released = np.inf, -1
+    for a in range(n):
+        if shares[a] > _TOLERANCE and forces[a] < step * shares[a]:
+            step, released = forces[a] / shares[a], a
+    if released >= 0:
+        for a in range(n):
+            forces[a] = max(forces[a] - step * shares[a], 0.0)
+        forces[n] = step
+    return released
 
 
 @njit(cache=True)

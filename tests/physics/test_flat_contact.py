@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.optimize import minimize_scalar
 
 import flexscale as fs
-from flexscale.errors import BadInputError, PatternError
+from flexscale.errors import BadInputError, PatternError, UnitRangeError
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.flat_contact import solve_flat_contact
 from flexscale.homogenize.free_strip import FreeStrip
 from flexscale.homogenize.line import Line, follow_line
+from flexscale.patterns.strip import clip_strip
 from flexscale.solve.newton import SolverOptions
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -23,6 +26,11 @@ COARSE = fs.MeshOptions().finer(0.5)
 @pytest.fixture(scope="module")
 def squares() -> fs.GapModel:
     return fs.gap_model(fs.named_pattern("square"), mesh=COARSE)
+
+
+@pytest.fixture(scope="module")
+def reference_hexagon() -> xr.Dataset:
+    return fs.open_registry(RESULTS).one(kind="sweep", pattern="hexagon")
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +78,26 @@ def test_softenings_fitted_to_a_sweep_bring_energies_close() -> None:
     assert after < 0.06
     with pytest.raises(BadInputError, match="different patterns"):
         fs.gap_model(fs.named_pattern("square"), sweep, mesh=COARSE)
+
+
+def test_what_a_sweep_does_not_show_is_not_fitted(reference_hexagon: xr.Dataset) -> None:
+    rough = fs.gap_model(fs.named_pattern("hexagon"), mesh=COARSE)
+    opening = rough.fitted(reference_hexagon.sel(side=["opening"]))
+    assert opening.softening > 0.0
+    assert opening.contact_softening == 0.0
+    with pytest.raises(BadInputError, match="different patterns"):
+        rough.errors(fs.open_registry(RESULTS).one(kind="sweep", pattern="square"))
+    bad = reference_hexagon.copy(deep=True)
+    bad["moment"][0, 0, 5] = -1e-3
+    assert rough.fitted(bad).softening == pytest.approx(
+        rough.fitted(reference_hexagon).softening, rel=0.1
+    )
+
+
+def test_onsets_are_of_tensors(squares: fs.GapModel) -> None:
+    for wrong in (1.0, np.diag([np.nan, 0.0]), [[0.0, 1.0], [0.0, 0.0]]):
+        with pytest.raises(UnitRangeError, match="urvature tensor"):
+            squares.tensor_onset(wrong)
 
 
 def test_fewer_overlaps_change_little() -> None:
@@ -129,6 +157,41 @@ def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
     assert energies[0] == pytest.approx(energies[1], rel=1e-9)
 
 
-def test_strips_need_a_lattice_vector_along_them() -> None:
+def test_strips_are_bent_along_a_lattice_vector() -> None:
+    pattern = fs.named_pattern("square")
     with pytest.raises(PatternError, match="No lattice vector of the pattern lies along 10 degree"):
-        FreeStrip(fs.named_pattern("square"), 20.0, 10.0, mesh=COARSE)
+        FreeStrip(pattern, 20.0, 10.0, mesh=COARSE)
+    strip = FreeStrip(pattern, 20.0, mesh=COARSE)
+    with pytest.raises(BadInputError, match=r"along its length only, .* not in 90 degree"):
+        list(follow_line(strip, Line("closing", 90.0, (0.0, 0.001)), SolverOptions()))
+
+
+@pytest.mark.parametrize("width", [14.142, 28.3])
+def test_strips_find_a_place_for_the_pattern(width: float) -> None:
+    """Corners of squares that lie on the sides are moved off them, across the strip."""
+    tiles = clip_strip(fs.named_pattern("square"), width, 45.0)
+    assert len(tiles.copies) >= 2
+    away = tiles.center + np.array([50.0, 30.0])  # by lattice vectors
+    moved = clip_strip(fs.named_pattern("square"), width, 45.0, center=away)
+    assert len(moved.copies) == len(tiles.copies)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"periods": 0}, "whole number of periods, at least 1"),
+        ({"periods": 1.5}, "whole number of periods, at least 1"),
+        ({"center": [np.nan, 0.0]}, r"is a point \(x, y\) in mm"),
+        ({"center": [1.0, 2.0, 3.0]}, r"is a point \(x, y\) in mm"),
+    ],
+)
+def test_strips_that_cannot_be_cut(given: dict[str, Any], said: str) -> None:
+    with pytest.raises(PatternError, match=said):
+        clip_strip(fs.named_pattern("square"), 25.0, **given)
+
+
+def test_an_overlap_is_allowed() -> None:
+    problem = CellProblem.from_pattern(fs.named_pattern("square"), COARSE)
+    with pytest.raises(UnitRangeError, match="overlap"):
+        solve_flat_contact(problem, 0.0)
+    assert len(solve_flat_contact(problem, 1e-10)) >= len(solve_flat_contact(problem))

@@ -52,6 +52,23 @@ def test_copies_of_one_thing_do_no_harm() -> None:
     assert forces @ missing == pytest.approx(once @ missing[:6], rel=1e-6)
 
 
+def test_what_depends_on_others_may_take_their_place() -> None:
+    slopes = np.array([[1.0, 0.0], [0.0, 1.0], [2.0, 2.0]])
+    missing = np.array([1.0, 0.6, 2.2])
+    np.testing.assert_allclose(solve(slopes @ slopes.T, missing), [1.0, 0.6, 0.0], atol=1e-9)
+    rng = np.random.default_rng(8)
+    for _ in range(500):
+        n, rank = int(rng.integers(2, 9)), int(rng.integers(1, 4))
+        slopes = rng.standard_normal((n, rank))
+        compliance = slopes @ slopes.T
+        missing = slopes @ rng.standard_normal(rank) - rng.uniform(0.0, 1.0, n)  # can be met
+        forces = solve(compliance, missing)
+        left = compliance @ forces - missing
+        assert forces.min() >= 0.0
+        assert left.min() > -1e-6 * max(1.0, np.abs(missing).max())
+        assert abs(forces @ left) < 1e-6 * max(1.0, abs(forces @ missing))
+
+
 def test_nothing_missing_needs_no_force() -> None:
     assert not solve(np.eye(3), np.array([-1.0, -0.1, 0.0])).any()
     assert solve(np.zeros((0, 0)), np.zeros(0)).shape == (0,)

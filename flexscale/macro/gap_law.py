@@ -51,7 +51,8 @@ def energy(e: FloatArray, b: FloatArray, parameters: FloatArray) -> float:
     value: float = tensor_law.energy(e, b, parameters)
     k = (b[0], b[2], 2.0 * b[1])
     if _closes(k, parameters):
-        touch, softening = _contact(k, parameters, np.empty(3), np.empty((0, 0))), _s(parameters)
+        touch = _contact(k, parameters, np.empty(3), np.empty((0, 0)))
+        softening = parameters[_SOFTENING]
         value += np.log1p(softening * touch) / softening if softening > 0.0 else touch
     return value
 
@@ -67,7 +68,7 @@ def law(
         return
     by_k = np.empty(3)
     twice = np.empty((3, 3)) if hess.shape[0] > 0 else np.empty((0, 0))
-    touch, softening = _contact(k, parameters, by_k, twice), _s(parameters)
+    touch, softening = _contact(k, parameters, by_k, twice), parameters[_SOFTENING]
     rate = 1.0 / (1.0 + softening * touch)
     order, scale = (0, 2, 1), (1.0, 1.0, 2.0)
     for i in range(3):
@@ -76,12 +77,6 @@ def law(
             for j in range(3):
                 curve = rate * (twice[i, j] - softening * rate * by_k[i] * by_k[j])
                 hess[3 + order[i], 3 + order[j]] += scale[i] * scale[j] * curve
-
-
-@njit(cache=True)
-def _s(table: FloatArray) -> float:
-    softening: float = table[_SOFTENING]
-    return softening
 
 
 @njit(cache=True)
@@ -135,15 +130,3 @@ def _contact(
                     for d in range(3):
                         twice[c, d] += rates[a, c] * held[a, d]
     return value
-
-
-@njit(cache=True)
-def bending(
-    b: FloatArray, parameters: FloatArray, energies: FloatArray, gradients: FloatArray
-) -> None:
-    """Energies (n,) and gradients (n, 3) of second forms b (n, 3) without strain."""
-    flat, grad, hess = np.zeros(3), np.empty(6), np.empty((0, 0))
-    for i in range(len(b)):
-        energies[i] = energy(flat, b[i], parameters)
-        law(flat, b[i], parameters, grad, hess)
-        gradients[i] = grad[3:]

@@ -86,11 +86,11 @@ class GapModel:
 
     def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
         """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
-        return evaluate_tensors(curvature, gap_law.bending, self._table())[0]
+        return evaluate_tensors(curvature, self.sheet_law())[0]
 
     def tensor_moment(self, curvature: ArrayLike) -> FloatArray:
         """Moments per width (…, 2, 2) in N: derivative of `tensor_energy` by the tensor."""
-        return evaluate_tensors(curvature, gap_law.bending, self._table())[1]
+        return evaluate_tensors(curvature, self.sheet_law())[1]
 
     def onset(self, direction: ArrayLike, side: str = "closing") -> FloatArray:
         """Curvature [mm-1] at which scales meet, bent in a direction (degree); inf for never."""
@@ -105,15 +105,13 @@ class GapModel:
 
     def sheet_law(self) -> SheetLaw:
         """The law of this model's energy, for sheets of it."""
-        largest = float(np.linalg.eigvalsh(self.in_plane).max())
-        return SheetLaw(gap_law.energy, gap_law.law, self._table(), largest)
-
-    def _table(self) -> FloatArray:
         rest = build_rest_table(self.tangent, self.in_plane, self.w_biaxial, self.softening)
         gaps = self.contact
-        return gap_law.build_gap_table(
+        table = gap_law.build_gap_table(
             rest, gaps.distances, gaps.slopes, gaps.compliance, self.contact_softening
         )
+        largest = float(np.linalg.eigvalsh(self.in_plane).max())
+        return SheetLaw(gap_law.energy, gap_law.law, table, largest)
 
     def fitted(self, sweep: xr.Dataset) -> GapModel:
         """The model with softenings fitted to a sweep of the same cell.

@@ -152,7 +152,8 @@ class MacroModel:
         )
 
     def _evaluate(self, curvature: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        return evaluate_tensors(curvature, tensor_law.bending, self._table(None))
+        law = SheetLaw(tensor_law.energy, tensor_law.law, self._table(None), stiffness=0.0)
+        return evaluate_tensors(curvature, law)
 
     def _law(self, direction: ArrayLike, side: str) -> UniaxialLaw:
         # Contact beyond the samples stays in, or the energy would jump with the direction there.

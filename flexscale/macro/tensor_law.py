@@ -101,18 +101,6 @@ def _has_directions(b: FloatArray, parameters: FloatArray) -> bool:
 
 
 @njit(cache=True)
-def bending(
-    b: FloatArray, parameters: FloatArray, energies: FloatArray, gradients: FloatArray
-) -> None:
-    """Energies (n,) and gradients (n, 3) of second forms b (n, 3) without strain."""
-    flat, grad, hess = np.zeros(3), np.empty(6), np.empty((0, 0))
-    for k in range(len(b)):
-        energies[k] = energy(flat, b[k], parameters)
-        law(flat, b[k], parameters, grad, hess)
-        gradients[k] = grad[3:]
-
-
-@njit(cache=True)
 def _places(kappa: float) -> tuple[int, int, int]:
     side = CLOSING if kappa >= 0.0 else OPENING
     return A, side + _B, side + _ONSET

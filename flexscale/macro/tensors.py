@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.variables import SIDES
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
-
-#: Fills energies (n,) and gradients (n, 3) at second forms (n, 3) = (b11, b12, b22) of a table.
-Bending = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], None]
+from flexscale.mechanics.sheet_law import SheetLaw
 
 
-def evaluate_tensors(
-    curvature: ArrayLike, bending: Bending, table: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Energies (...) [N mm-1] and moments (..., 2, 2) [N] of curvature tensors (..., 2, 2) in mm-1.
+def evaluate_tensors(curvature: ArrayLike, law: SheetLaw) -> tuple[FloatArray, FloatArray]:
+    """Energies (...) [N mm-1] and moments (..., 2, 2) [N] of curvature tensors (..., 2, 2) in mm-1,
+    without strain.
 
     Raises
     ------
     UnitRangeError : not symmetric 2 by 2 matrices of finite numbers.
     """
     tensors = require_tensors(curvature)
-    forms = np.ascontiguousarray(tensors.reshape(-1, 4)[:, [0, 1, 3]])
-    energies, gradients = np.empty(len(forms)), np.empty((len(forms), 3))
-    bending(forms, table, energies, gradients)
+    states = np.zeros((tensors.size // 4, 6))
+    states[:, 3:] = tensors.reshape(-1, 4)[:, [0, 1, 3]]
+    energies = law.energies(states)
     # The derivative by b12 counts both off-diagonals.
-    moments = gradients[:, [0, 1, 1, 2]] * [1.0, 0.5, 0.5, 1.0]
+    moments = law.gradients(states)[:, [3, 4, 4, 5]] * [1.0, 0.5, 0.5, 1.0]
     return energies.reshape(tensors.shape[:-2]), moments.reshape(tensors.shape)
 
 

@@ -7,7 +7,8 @@ that is glued end to end has the pieces of its far end before the near one, a sh
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -82,16 +83,7 @@ def clip_pattern(
     tiles = list(cell.tiles)
     if glued:
         tiles = [_at_near_end(tile, length, cell.tolerance) for tile in tiles]
-    carries = np.array([carries_scale(tile, pattern) for tile in tiles])
-    pieces = list(zip(tiles, cell.sharp, strict=True))
-    kept = [piece for piece, yes in zip(pieces, carries, strict=True) if yes]
-    bare = [piece for piece, yes in zip(pieces, carries, strict=True) if not yes]
-    with_scales = TiledCell(
-        tuple(tile for tile, _ in kept),
-        tuple(sharp for _, sharp in kept),
-        cell.lattice,
-        cell.tolerance,
-    )
+    with_scales, bare = scales_and_bare(replace(cell, tiles=tuple(tiles)), pattern)
     prototiles, copies = find_prototiles(with_scales, pattern.gap)
     at_near, at_far = (
         np.array([touches_end(tile - [x, 0.0], cell.tolerance) for tile in with_scales.tiles])
@@ -99,8 +91,22 @@ def clip_pattern(
     )
     return SheetTiles(
         length, width, float(direction), center, prototiles, copies, at_near | at_far, at_far,
-        tuple(bare), glued,
+        bare, glued,
     )  # fmt: skip
+
+
+def scales_and_bare(
+    cell: TiledCell, pattern: Pattern
+) -> tuple[TiledCell, tuple[tuple[FloatArray, BoolArray], ...]]:
+    """The pieces that carry scales, and polygons and flags of sharp corners of the others."""
+    carries = [_carries_scale(tile, pattern) for tile in cell.tiles]
+    pieces = list(zip(cell.tiles, cell.sharp, carries, strict=True))
+    kept = replace(
+        cell,
+        tiles=tuple(tile for tile, _, yes in pieces if yes),
+        sharp=tuple(sharp for _, sharp, yes in pieces if yes),
+    )
+    return kept, tuple((tile, sharp) for tile, sharp, yes in pieces if not yes)
 
 
 def touches_end(polygon: FloatArray, tolerance: float) -> bool:
@@ -126,7 +132,7 @@ def _best_place(
         if min(finest(piece) for piece in pieces) <= SHORTEST * pattern.gap:
             continue
         cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
-        bare = [tile for tile in cell.tiles if not carries_scale(tile, pattern)]
+        bare = [tile for tile in cell.tiles if not _carries_scale(tile, pattern)]
         moved = [_at_near_end(tile, length, cell.tolerance) for tile in bare]
         at_end = sum(touches_end(tile, cell.tolerance) for tile in moved)
         found.append(((at_end, len(bare)), center, cell))
@@ -154,11 +160,18 @@ def _cut(
     cosine, sine = np.cos(turn), np.sin(turn)
     rotation = np.array([[cosine, -sine], [sine, cosine]])
     size = np.array([length, width])
-    border = shapely.box(0.0, 0.0, length, width)
+    tiles = tiles_near(pattern, rotation, center, 0.5 * size, size)
+    return pieces_within(tiles, shapely.box(0.0, 0.0, length, width), 1e-9 * length * width)
+
+
+def pieces_within(
+    tiles: Sequence[FloatArray], border: shapely.Polygon, least: float
+) -> list[FloatArray]:
+    """Pieces (n_i, 2), counterclockwise, of tiles within a border, of more than an area [mm2]."""
     pieces = []
-    for tile in tiles_near(pattern, rotation, center, 0.5 * size, size):
+    for tile in tiles:
         for part in shapely.get_parts(shapely.intersection(shapely.Polygon(tile), border)):
-            if part.geom_type == "Polygon" and part.area > 1e-9 * length * width:
+            if part.geom_type == "Polygon" and part.area > least:
                 pieces.append(np.array(shapely.orient_polygons(part).exterior.coords)[:-1])
     return pieces
 
@@ -194,7 +207,7 @@ def finest(polygon: FloatArray) -> float:
     return float(min(lengths.min(), 2.0 * polygon_area(polygon) / lengths.sum()))
 
 
-def carries_scale(polygon: FloatArray, pattern: Pattern) -> bool:
+def _carries_scale(polygon: FloatArray, pattern: Pattern) -> bool:
     """Whether a piece is no sliver, and the gap leaves it a scale in one part."""
     outline = inset_corners(polygon, 0.5 * pattern.gap)
     return outline is not None and polygon_area(outline) > SLIVER * pattern.tile_area

@@ -7,13 +7,14 @@ import shapely
 from numpy.typing import ArrayLike
 
 from flexscale.errors import PatternError
-from flexscale.patterns.cell import TiledCell, build_cell
+from flexscale.patterns.cell import build_cell
 from flexscale.patterns.clipped import (
     SHORTEST,
     TRIES,
     SheetTiles,
-    carries_scale,
     finest,
+    pieces_within,
+    scales_and_bare,
     tiles_near,
 )
 from flexscale.patterns.pattern import Pattern
@@ -73,16 +74,8 @@ def clip_strip(
             "center."
         )
     cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
-    carries = np.array([carries_scale(tile, pattern) for tile in cell.tiles])
-    kept = np.flatnonzero(carries)
-    tiles = TiledCell(
-        tuple(cell.tiles[k] for k in kept),
-        tuple(cell.sharp[k] for k in kept),
-        cell.lattice,
-        cell.tolerance,
-    )
-    prototiles, copies = find_prototiles(tiles, pattern.gap)
-    bare = tuple((cell.tiles[k], cell.sharp[k]) for k in np.flatnonzero(~carries))
+    with_scales, bare = scales_and_bare(cell, pattern)
+    prototiles, copies = find_prototiles(with_scales, pattern.gap)
     no_ends = np.zeros(len(copies), dtype=bool)
     return SheetTiles(
         length, width, float(direction), place, prototiles, copies, no_ends, no_ends, bare
@@ -119,13 +112,8 @@ def _cut(
 ) -> list[FloatArray]:
     """Pieces (n_i, 2) of the tiles of one period, in the strip's coordinates."""
     middle = np.array([0.0, 0.5 * width])
+    near = tiles_near(pattern, rotation, center, middle, np.array([length, width]))
+    # Of the copies along the strip, those whose middle lies in the first period.
+    tiles = [tile for tile in near if 0.0 <= tile[:, 0].mean() + 1e-9 * length < length]
     band = shapely.box(-1e3 * length, 0.0, 1e3 * length, width)
-    pieces = []
-    for tile in tiles_near(pattern, rotation, center, middle, np.array([length, width])):
-        # Of the copies along the strip, the one whose middle lies in the first period.
-        if not 0.0 <= tile[:, 0].mean() + 1e-9 * length < length:
-            continue
-        for part in shapely.get_parts(shapely.intersection(shapely.Polygon(tile), band)):
-            if part.geom_type == "Polygon" and part.area > 1e-9 * length * width:
-                pieces.append(np.array(shapely.orient_polygons(part).exterior.coords)[:-1])
-    return pieces
+    return pieces_within(tiles, band, 1e-9 * length * width)

@@ -17,7 +17,6 @@ from flexscale.plotting.style import (
     COLUMN_WIDTH,
     FAILED_COLOR,
     MACRO_COLOR,
-    MARKERS,
     NATIVE_COLOR,
     PAGE_WIDTH,
     SCALE_COLOR,
@@ -28,7 +27,8 @@ from flexscale.plotting.style import (
     new_figure,
 )
 
-_MACRO_LINES, _MACRO_COLORS = ("--", ":", "-."), (MACRO_COLOR, SCALE_COLOR, FAILED_COLOR)
+#: Color, line and marker of the native model, and of macro models in their order.
+_MODEL_LOOKS = ((NATIVE_COLOR, "-", "o"), (MACRO_COLOR, "--", "s"), (SCALE_COLOR, ":", "^"))
 _FAILED_NOTE = "× at the rim: not converged, left out of the curve"
 _NEEDED = {
     "mandrel": ["mandrel_force", "mandrel_status", "angle", "side", "mandrel_indentation"],
@@ -114,7 +114,7 @@ def compared_stages(native: xr.Dataset, macro: Mapping[str, xr.Dataset]) -> Figu
     Parameters
     ----------
     native : dataset of kind native_rig.
-    macro : at most three datasets of kind rig, by the names of their models.
+    macro : one or two datasets of kind rig, by the names of their models.
 
     Raises
     ------
@@ -126,13 +126,13 @@ def compared_stages(native: xr.Dataset, macro: Mapping[str, xr.Dataset]) -> Figu
     sides = pick_sides(native, None)
     for dataset in macro.values():
         pick_sides(dataset, sides)
-    looks = zip(("-", *_MACRO_LINES), (NATIVE_COLOR, *_MACRO_COLORS), MARKERS, strict=False)
-    curves = list(zip([("native", native), *macro.items()], looks, strict=False))
+    models = {"native": native, **macro}
     with flexscale_style():
         figure = new_figure(COLUMN_WIDTH * (0.25 + 0.95 * len(sides)), COLUMN_WIDTH * 0.8)
         for column, side in enumerate(sides):
             axes = figure.add_subplot(1, len(sides), column + 1)
-            for (label, dataset), (line, color, marker) in curves:
+            for (label, dataset), look in zip(models.items(), _MODEL_LOOKS, strict=False):
+                color, line, marker = look
                 shown = dataset["stage_force"].sel(side=side)
                 shown = shown.where(dataset["stage_status"].sel(side=side) == 0)
                 axes.plot(shown["shortening"], shown, color=color, linestyle=line, marker=marker,

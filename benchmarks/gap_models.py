@@ -7,11 +7,14 @@ the pattern in DIR (`flexscale run workflows/named_patterns.yaml --results DIR`)
 default fit with its 14 numbers a side. Errors are of native moments, all directions, both sides
 and all curvatures above 0: root mean square of the logarithm, and the worst. Onsets are the least
 of all sampled directions; native ones are between the last curvature free of contact and the first
-one in contact. Then strips without ends, with free sides, of the scales themselves, on a mesh half
-as fine as the default: what they do as they grow wider, what free sides take in contact beside what
-they take of macro sheets (turned_sheet datasets of DIR), and contact in a strip that curls across,
-by the native model, by the gap model of the same mesh, and by the fit, both of a sheet whose
-curvature across is free. A picture of the latter, gap_models.png, goes beside the page.
+one in contact. "meet": directions and sides in which native scales meet; "outside": those whose
+onset by the model is not between these two samples, and by how much at most.
+
+Then strips without ends, with free sides, of the scales themselves, on a mesh half as fine as the
+default: what they do as they grow wider, what free sides take in contact beside what they take of
+macro sheets (turned_sheet datasets of DIR), and contact in a strip that curls across, by the native
+model, by the gap model of the same mesh, and by the fit, both of a sheet whose curvature across is
+free. A picture of the latter, gap_models.png, goes beside the page.
 """
 
 from __future__ import annotations
@@ -79,6 +82,21 @@ def model_onset(model: fs.GapModel, sweep: xr.Dataset, side: str) -> str:
     return f"{least:.4f}" if least < float(sweep["curvature"].max()) else "–"
 
 
+def onset_errors(model: fs.GapModel, sweep: xr.Dataset) -> np.ndarray:
+    """Of each direction and side in which native scales meet, by what share the model's onset lies
+    outside the two samples between which they do: below 0 if early, 0 between them."""
+    kappa, found = sweep["curvature"].values, []
+    for side in sweep["side"].values:
+        touches = sweep["contact_pairs"].sel(side=side).transpose("direction", "curvature") > 0
+        onsets = model.onset(sweep["direction"].values, str(side))
+        for touching, onset in zip(touches.values, onsets, strict=True):
+            if touching.any():
+                first = int(np.argmax(touching))
+                between = np.clip(onset, kappa[first - 1], kappa[first])
+                found.append(onset / between - 1.0)
+    return np.array(found)
+
+
 def against_sweeps(registry: Registry) -> list[str]:
     """Every pattern that has a sweep."""
     rows = []
@@ -96,18 +114,21 @@ def against_sweeps(registry: Registry) -> list[str]:
         fit = fs.MacroModel.from_dataset(registry.one(kind="fit", pattern=name))
         moments = [model.errors(sweep)[1] + 1.0 for model in (rough, fitted)]
         by_fit = np.concatenate([fit_ratios(fit, sweep, side) for side in fit.sides])
+        off = onset_errors(rough, sweep)
         rows.append([
             name, str(len(rough.contact)), f"{built:.1f}", f"{seconds:.1f}",
             *(f(side) for side in ("closing", "opening") for f in (
                 lambda s, d=sweep: native_onset(d, s),
                 lambda s, d=sweep, m=rough: model_onset(m, d, s),
             )),
-            f"{fitted.softening:.2f}", f"{fitted.contact_softening:.2f}",
+            str(len(off)), str(np.count_nonzero(off)), f"{100 * off.min():.0f}",
+            f"{100 * off.max():.0f}", f"{fitted.softening:.2f}", f"{fitted.contact_softening:.2f}",
             *map(log_errors, moments), log_errors(by_fit),
         ])  # fmt: skip
     head = [
         "pattern", "gaps", "cell, s", "gaps, s", "closing: native onset", "model",
-        "opening: native", "model", "s, mm/N", "s_c, mm/N", "no sweep, %", "fitted, %", "fit, %",
+        "opening: native", "model", "meet", "outside", "early, %", "late, %",
+        "s, mm/N", "s_c, mm/N", "no sweep, %", "fitted, %", "fit, %",
     ]  # fmt: skip
     return ["## Against native sweeps", "", *table(head, rows)]
 

@@ -117,10 +117,11 @@ def against_sweeps(registry: Registry) -> list[str]:
         off = onset_errors(rough, sweep)
         rows.append([
             name, str(len(rough.contact)), f"{built:.1f}", f"{seconds:.1f}",
-            *(f(side) for side in ("closing", "opening") for f in (
-                lambda s, d=sweep: native_onset(d, s),
-                lambda s, d=sweep, m=rough: model_onset(m, d, s),
-            )),
+            *(
+                text
+                for side in ("closing", "opening")
+                for text in (native_onset(sweep, side), model_onset(rough, sweep, side))
+            ),
             str(len(off)), str(np.count_nonzero(off)), f"{100 * off.min():.0f}",
             f"{100 * off.max():.0f}", f"{fitted.softening:.2f}", f"{fitted.contact_softening:.2f}",
             *map(log_errors, moments), log_errors(by_fit),

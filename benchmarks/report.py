@@ -27,7 +27,7 @@ def datasets_and_output(doc: str) -> tuple[Registry, Path | None]:
 
 def heading(title: str, doc: str) -> list[str]:
     """Title, and what the benchmark's docstring says below its command."""
-    return [f"# {title}", "", doc.split("\n\n")[2].rstrip(), ""]
+    return [f"# {title}", "", "\n\n".join(doc.split("\n\n")[2:]).rstrip(), ""]
 
 
 def table(head: list[str], rows: list[list[str]]) -> list[str]:

@@ -5,7 +5,8 @@
 DIR is where `flexscale run workflows/full_characterization.yaml --results DIR` has put its sweeps:
 every 2° over 180°, to both sides, 12 curvatures up to 0.025 mm-1. Directions that symmetry makes
 equivalent are solved once. Processor time is that of the sweep, of all its processes; on two cores
-that have nothing else to do a sweep takes half of it. Mesh errors are those that the datasets
+that have nothing else to do a sweep takes half of it. "*": it went on after a stop, and this is of
+the rest. Mesh errors are those that the datasets
 carry: of the stiffness at rest, from elements twice as large.
 """
 
@@ -39,11 +40,12 @@ def main() -> None:
         rows.append([
             name, str(int(sweep["status"].size)), str(done.size), str(int(done.sum())),
             str(int(touching.sum())), f"{iterations[done & ~touching].mean():.1f}",
-            f"{iterations[touching].mean():.1f}", str(int(np.max(iterations))), f"{minutes:.1f}",
+            f"{iterations[touching].mean():.1f}", str(int(np.max(iterations))),
+            f"{minutes:.1f}{'*' if run.get('resumed') else ''}",
             f"{0.5 * minutes:.1f}", f"{GOALS.get(name, GOAL):g}", f"{run['peak_memory_mib']:,.0f}",
             f"{100.0 * sweep.attrs['mesh_error_at_rest']:.1f}",
         ])  # fmt: skip
-    rows.sort(key=lambda row: float(row[8]))
+    rows.sort(key=lambda row: float(row[9]))
     head = [
         "pattern", "samples", "solved", "converged", "in contact", "iterations before contact",
         "in contact", "most", "processor, min", "half of it", "goal", "memory, MiB",

@@ -55,6 +55,11 @@ class FileCheckpoint:
         write_atomically(path, lambda file: file.write_bytes(data))
         self._counts[line_key] += 1
 
+    @property
+    def has_samples(self) -> bool:
+        """Whether samples of any line are there."""
+        return any(self.folder.rglob("*"))
+
     def clear(self) -> None:
         """Forget every sample (called when the finished dataset is published)."""
         shutil.rmtree(self.folder, ignore_errors=True)

@@ -45,7 +45,7 @@ def _earlier(step: str, registry: Registry) -> list[tuple[Mapping[str, Any], flo
     for entry in registry.find(kind=step) if any(e.kind == step for e in registry) else ():
         record = registry.record(entry)
         run, parameters = record["run"], record["recipe"]["parameters"]
-        if "wall_seconds" not in run:
+        if "wall_seconds" not in run or run.get("resumed"):
             continue
         try:
             n_samples = STEPS[step].parameters.model_validate(parameters).n_samples

@@ -58,9 +58,11 @@ def _compute(
     step = STEPS[job.step]
     parameters = step.parameters.model_validate(job.recipe.parameters)
     datasets = {entry.kind: store.load(entry) for entry in inputs}
+    checkpoint = store.checkpoint(job.recipe, inputs) if step.resumable else None
+    resumed = checkpoint is not None and checkpoint.has_samples
     resources = Resources(
         workers=workers if step.parallel else 1,
-        checkpoint=store.checkpoint(job.recipe, inputs) if step.resumable else None,
+        checkpoint=checkpoint,
         on_sample=lambda event: events.write("sample", job.id, **_facts(event)),
     )
     dataset = step.compute(parameters, datasets, resources)
@@ -70,6 +72,7 @@ def _compute(
         "cpu_seconds": round(_cpu_seconds() - spent, 3),
         "peak_memory_mib": round(max(usage) / 1024.0, 1),
         "workers": resources.workers,
+        "resumed": resumed,  # times are then of a part of the samples
         "failed_samples": failed_samples(dataset),
     }
     return store.publish(dataset, job.step, job.recipe, inputs, record)

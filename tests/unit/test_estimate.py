@@ -66,6 +66,13 @@ def test_a_busy_machine_does_not_lengthen_estimates(tmp_path: Path) -> None:
     assert estimates(tmp_path, jobs)["square"] == 24.0
 
 
+def test_what_went_on_from_a_checkpoint_says_nothing_of_the_whole(tmp_path: Path) -> None:
+    jobs = sweep_jobs()
+    record = {"wall_seconds": 6.0, "cpu_seconds": 6.0, "workers": 1, "resumed": True}
+    Store(tmp_path).publish(law_sweep(), "sweep", jobs["square"].recipe, [], record)
+    assert estimates(tmp_path, jobs) == {}
+
+
 def test_nothing_is_said_without_records(tmp_path: Path) -> None:
     assert estimates(tmp_path, sweep_jobs()) == {}
     Store(tmp_path).publish(law_sweep(), "sweep", sweep_jobs()["square"].recipe)

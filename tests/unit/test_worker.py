@@ -67,5 +67,10 @@ def test_records_have_the_processor_time_of_the_step(
 
     monkeypatch.setattr("flexscale.steps.native_sheet.compute", busy)
     monkeypatch.setattr(Store, "publish", publish)
-    run_job(plan, job, Store(tmp_path), 1, EventWriter(None))
+    store = Store(tmp_path)
+    run_job(plan, job, store, 1, EventWriter(None))
+    store.checkpoint(job.recipe).append("closing-0", {"energy": 1.0})
+    run_job(plan, job, store, 1, EventWriter(None))
+    assert records[1]["resumed"]
+    assert not records[0]["resumed"]
     assert 0.3 <= records[0]["cpu_seconds"] <= records[0]["wall_seconds"] - 0.5 + 0.01  # roundings

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.errors import ConfigError, PatternError
+from flexscale.errors import PatternError
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.finite_options import require_finite_options
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.finite import build_finite_mesh
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
@@ -23,7 +25,7 @@ class FiniteSheet(CellProblem):
     ----------
     pattern : its scales are bodies, its sheet is C1.
     tiles : the pattern on the sheet.
-    mesh, contact, scales : as for a cell.
+    mesh, contact, substrate, scales : as for a cell.
 
     Attributes
     ----------
@@ -32,6 +34,7 @@ class FiniteSheet(CellProblem):
     Raises
     ------
     PatternError, MeshError : the sheet has no scale, or cannot be meshed.
+    ConfigError : see `require_finite_options`.
     """
 
     def __init__(
@@ -41,14 +44,12 @@ class FiniteSheet(CellProblem):
         *,
         mesh: MeshOptions | None = None,
         contact: ContactOptions | None = None,
+        substrate: SubstrateOptions | None = None,
         scales: ScaleOptions | None = None,
         linear_solver: str = "auto",
     ) -> None:
-        if scales is not None and scales.model != "modes":
-            raise ConfigError(
-                f"A native sheet has scales of few modes, not {scales.model!r}: leave the model "
-                "of the scales at 'modes'."
-            )
+        substrate, scales = substrate or SubstrateOptions(), scales or ScaleOptions()
+        require_finite_options(substrate, scales)
         if not tiles.copies:
             raise PatternError(
                 f"A sheet of {tiles.length:g} x {tiles.width:g} mm cuts all scales of the pattern "
@@ -57,7 +58,7 @@ class FiniteSheet(CellProblem):
         self.tiles = tiles
         super().__init__(
             build_finite_mesh(pattern, tiles, mesh),
-            CellModel.of_pattern(pattern, contact, linear_solver, scales=scales),
+            CellModel.of_pattern(pattern, contact, linear_solver, substrate, scales),
         )
         self.area = tiles.length * tiles.width
         self.shift_mode = np.zeros(len(self.active))

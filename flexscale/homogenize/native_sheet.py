@@ -24,6 +24,7 @@ from flexscale.mechanics.contact import ContactSurface
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import IntArray
 from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
@@ -39,7 +40,7 @@ class NativeSheet(FiniteSheet):
     pattern : its scales are bodies, its sheet is C1.
     length, width : mm; the sheet is bent along its length.
     direction : degree, of the sheet's length in the pattern's coordinates.
-    mesh, contact, scales : as for a cell.
+    mesh, contact, substrate, scales : as for a cell.
 
     Attributes
     ----------
@@ -49,6 +50,7 @@ class NativeSheet(FiniteSheet):
     Raises
     ------
     PatternError, MeshError : the sheet cannot be cut from the pattern, or not be meshed.
+    ConfigError : see `require_finite_options`.
     """
 
     def __init__(
@@ -60,13 +62,15 @@ class NativeSheet(FiniteSheet):
         *,
         mesh: MeshOptions | None = None,
         contact: ContactOptions | None = None,
+        substrate: SubstrateOptions | None = None,
         scales: ScaleOptions | None = None,
         linear_solver: str = "auto",
     ) -> None:
         tiles = clip_pattern(pattern, length, width, direction)
         super().__init__(
-            pattern, tiles, mesh=mesh, contact=contact, scales=scales, linear_solver=linear_solver
-        )
+            pattern, tiles, mesh=mesh, contact=contact, substrate=substrate, scales=scales,
+            linear_solver=linear_solver,
+        )  # fmt: skip
 
     def build_bodies(self, inner: CellEmbedding) -> list[Body]:
         """The scales; those of the strips turn with the cylinder at the end, and do not leave its

@@ -14,6 +14,7 @@ from flexscale.homogenize.native_sheet import NativeSheet, check_bends
 from flexscale.homogenize.sweep import Checkpoint, SampleEvent, run_lines
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
@@ -36,6 +37,7 @@ def simulate_native_sheet(
     sides: Sequence[str] = ("closing", "opening"),
     mesh: MeshOptions | None = None,
     contact: ContactOptions | None = None,
+    substrate: SubstrateOptions | None = None,
     scales: ScaleOptions | None = None,
     solver: SolverOptions | None = None,
     checkpoint: Checkpoint | None = None,
@@ -52,7 +54,7 @@ def simulate_native_sheet(
     curvatures : mm-1, from 0 on, increasing.
     direction : degree, of the sheet's length in the pattern's coordinates.
     sides : of "closing", "opening".
-    mesh, contact, scales, solver : options, defaults if not given.
+    mesh, contact, substrate, scales, solver : options, defaults if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
 
@@ -63,13 +65,14 @@ def simulate_native_sheet(
     Raises
     ------
     PatternError, MeshError : the sheet cannot be cut from the pattern, or not be meshed.
-    BadInputError : the sheet would run into its own end, or an unknown side.
+    BadInputError : the sheet would run into its own end, an unknown side, or options that only a
+        periodic cell has.
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     check_bends(length, curvatures, sides)
     sheet = NativeSheet(
-        pattern, length, width, direction, mesh=mesh, contact=contact, scales=scales,
-        linear_solver=solver.linear_solver,
+        pattern, length, width, direction, mesh=mesh, contact=contact, substrate=substrate,
+        scales=scales, linear_solver=solver.linear_solver,
     )  # fmt: skip
     kappa = tuple(float(k) for k in curvatures)
     # The pattern is turned on the sheet, which always bends along its length.
@@ -94,6 +97,7 @@ def simulate_native_sheet(
         "mesh": mesh.to_config(),
         "solver": solver.to_config(),
         "contact": (contact or ContactOptions()).to_config(),
+        "substrate": (substrate or SubstrateOptions()).to_config(),
         "scales": (scales or ScaleOptions()).to_config(),
     }
     return build_sheet_dataset(

@@ -59,7 +59,7 @@ class NativeStage(FiniteSheet):
 
     Parameters
     ----------
-    pattern, tiles, mesh, contact, scales : as of a `FiniteSheet`; tiles are not glued.
+    pattern, tiles, mesh, contact, substrate, scales : as of a `FiniteSheet`; tiles are not glued.
 
     Attributes
     ----------

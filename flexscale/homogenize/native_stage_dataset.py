@@ -20,6 +20,7 @@ from flexscale.homogenize.sweep import Checkpoint
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
@@ -66,6 +67,7 @@ def simulate_native_stage(
     sides: Sequence[str] = ("closing", "opening"),
     mesh: MeshOptions | None = None,
     contact: ContactOptions | None = None,
+    substrate: SubstrateOptions | None = None,
     scales: ScaleOptions | None = None,
     solver: SolverOptions | None = None,
     checkpoint: Checkpoint | None = None,
@@ -83,7 +85,7 @@ def simulate_native_stage(
     shortenings : mm, increasing from above 0.
     direction : degree, of the strip's length in the pattern's coordinates.
     sides : of "closing", "opening": to which the strip is bent at the first shortening.
-    mesh, contact, scales, solver : options, defaults if not given.
+    mesh, contact, substrate, scales, solver : options, defaults if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
 
@@ -95,14 +97,14 @@ def simulate_native_stage(
     ------
     PatternError, MeshError : the strip cannot be cut from the pattern, or not be meshed.
     BadInputError : shortenings that do not increase or reach the length, a size or direction out of
-        range, or an unknown side.
+        range, an unknown side, or options that only a periodic cell has.
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     contact = contact or ContactOptions()
     asked = _checked(length, shortenings, sides)
     stage = NativeStage(
         pattern, clip_pattern(pattern, length, width, direction, glued=False), mesh=mesh,
-        contact=contact, scales=scales, linear_solver=solver.linear_solver,
+        contact=contact, substrate=substrate, scales=scales, linear_solver=solver.linear_solver,
     )  # fmt: skip
     samples: dict[str, list[dict[str, Any]]] = {side: [] for side in sides}
     start, done, failed = time.perf_counter(), 0, 0
@@ -130,6 +132,7 @@ def simulate_native_stage(
         "mesh": mesh.to_config(),
         "solver": solver.to_config(),
         "contact": contact.to_config(),
+        "substrate": (substrate or SubstrateOptions()).to_config(),
         "scales": (scales or ScaleOptions()).to_config(),
     }
     dataset = build_rig_dataset(

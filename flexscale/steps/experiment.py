@@ -11,6 +11,7 @@ from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.homogenize.finite_options import require_finite_options
 from flexscale.macro.polar import Variant
 from flexscale.macro.samples import require_axes
 from flexscale.macro.uniaxial import Weighting
@@ -212,6 +213,12 @@ class Experiment(Block):
                 raise PydanticCustomError(
                     "fit", "`{name}` needs the block `fit`, which is missing", {"name": name}
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _finite_sheets_are_made_of_what_they_can(self) -> Self:
+        if self.native_sheet is not None or self.native_rig is not None:
+            require_finite_options(self.substrate, self.scales)
         return self
 
     def build_patterns(self) -> dict[str, Pattern]:

@@ -28,6 +28,7 @@ def compute(
         sides=parameters.sides,
         mesh=parameters.build_mesh_options(),
         contact=ContactOptions(**parameters.contact),
+        substrate=parameters.build_substrate_options(),
         scales=parameters.build_scale_options(),
         solver=SolverOptions(**parameters.solver),
         checkpoint=resources.checkpoint,

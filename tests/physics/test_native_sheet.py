@@ -107,3 +107,19 @@ def test_bad_bends_are_refused(squares: NativeSheet) -> None:
         next(bend_native_sheet(squares, (0.002, 0.001)))
     with pytest.raises(ConfigError, match="modes"):
         NativeSheet(fs.named_pattern("square"), 20.0, 10.0, scales=fs.ScaleOptions(model="tets"))
+    with pytest.raises(ConfigError, match="smooth triangles"):
+        NativeSheet(
+            fs.named_pattern("square"), 20.0, 10.0, substrate=fs.SubstrateOptions("edge_angle")
+        )
+
+
+def test_the_bending_measure_is_that_of_the_sheet(squares: NativeSheet) -> None:
+    """Far bent, the second form and the layers have energies that differ (see shell_law)."""
+    options = fs.SubstrateOptions(bending_measure="form")
+    by_form = NativeSheet(fs.named_pattern("square"), 20.0, 10.0, mesh=COARSE, substrate=options)
+    energies = [
+        sample["energy_density"]
+        for sheet in (squares, by_form)
+        for sample in bend_native_sheet(sheet, (0.02,), "opening")
+    ]
+    assert energies[1] != pytest.approx(energies[0], rel=1e-3)

@@ -14,6 +14,7 @@ class SolveStatus(IntEnum):
     line_search_failed = 3
     infeasible_start = 4
     not_run = 5
+    time_limit = 6
 
     @property
     def sentence(self) -> str:
@@ -28,6 +29,7 @@ _SENTENCES: dict[SolveStatus, str] = {
     SolveStatus.line_search_failed: "No step along the Newton direction lowered the energy.",
     SolveStatus.infeasible_start: "The start was not admissible (inverted elements or overlap).",
     SolveStatus.not_run: "This sample was not computed.",
+    SolveStatus.time_limit: "The processor time that a sample may take ran out.",
 }
 
 #: CF attribute `flag_meanings`: the names in the order of their values.

@@ -124,6 +124,7 @@ def follow_line(
         if status != SolveStatus.converged:
             yield {"curvature": curvature, "status": int(SolveStatus.not_run)}
             continue
+        options = options.for_a_sample()
         problem.fit_room(point.z, line.bend(point.curvature))
         if not len(point.rate):
             point, solution = _start(problem, line)
@@ -254,7 +255,7 @@ def _advance(
                 return point, solution, way
         else:
             share *= 0.5
-            if share < _SMALLEST_STEP:
+            if share < _SMALLEST_STEP or options.out_of_time:
                 return point, solution, way
 
 

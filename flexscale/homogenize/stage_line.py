@@ -95,6 +95,7 @@ def follow_shortenings(
     for shortening in shortenings[len(finished) :]:
         sample = {"shortening": shortening, "status": int(SolveStatus.not_run)}
         if status == SolveStatus.converged:
+            options = options.for_a_sample()
             point, solution, iterations = _reach(stage, point, shortening, sign, options)
             status = solution.status
             sample |= {"status": int(status), "newton_iterations": iterations}
@@ -186,7 +187,7 @@ def _advance(
                 return point, solution, spent
         else:
             share *= 0.5
-            if share < _SMALLEST_STEP:
+            if share < _SMALLEST_STEP or options.out_of_time:
                 return point, solution, spent
 
 

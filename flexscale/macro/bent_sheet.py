@@ -188,7 +188,7 @@ class BendingRig:
         problem = self.problem(curvature)
         placed = self.sheet.place(cylinder(curvature)).ravel()
         z = problem.start(1.0, np.concatenate([placed, [0.0]]))
-        solution = solve_equilibrium(problem, z, self.solver)
+        solution = solve_equilibrium(problem, z, self.solver.for_a_sample())
         state: SheetState = solution.evaluation
         found = solution.status == SolveStatus.converged
         energy = state.strain_energy if found else np.nan

@@ -87,6 +87,8 @@ def _reach(
             z, here = solution.z, goal
             if here == factor:
                 return _step(factor, solution, iterations)
+        if options.out_of_time:
+            break
         length *= 0.5
         log.debug("load step to %g cut to %g after %d", factor, length, cut)
     return _step(here, solution, iterations)

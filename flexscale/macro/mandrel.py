@@ -130,7 +130,7 @@ class MandrelRig:
         conditions.hold(np.array([row]), "z", lifted)
         problem = SheetProblem(conditions, self.solver.linear_solver)
         factors = np.arange(1, self.options.steps + 1) / self.options.steps
-        step = follow_loads(problem, factors.tolist(), self.solver)[-1]
+        step = follow_loads(problem, factors.tolist(), self.solver.for_a_sample())[-1]
         state = step.state
         largest = float(self.sheet.curvatures(state.y)[0].max())
         return Push(float(state.forces[row, 2]), largest, state.y[positions], step)

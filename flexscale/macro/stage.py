@@ -154,15 +154,15 @@ class StageRig:
     ) -> LoadStep:
         """Equilibrium at a factor, followed from the one before; from an arc where there is none,
         or where that leads nowhere."""
-        spent = 0
+        spent, options = 0, self.solver.for_a_sample()
         if before is not None and before.status == SolveStatus.converged:
             z, reached = before.state.z, before.factor
-            (step,) = follow_loads(problem, [factor], self.solver, z, reached)
+            (step,) = follow_loads(problem, [factor], options, z, reached)
             if step.status == SolveStatus.converged:
                 return step
             spent = step.iterations
         start = problem.start(factor, self.sheet.place(arc).ravel())
-        found = solve_equilibrium(problem, start, self.solver)
+        found = solve_equilibrium(problem, start, options)
         return LoadStep(
             factor, found.status, found.evaluation, spent + found.iterations,
             found.negative_eigenvalues,

@@ -20,6 +20,10 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 ipctk.set_num_threads(1)
 
 SWEEPS = 4  # of collision detection along one way
+# Steps of one pair of primitives in a sweep. Each step is as long as the pair is apart, so that
+# walls 1e-6 mm apart that slide 0.5 mm along one another would take 600,000; a sweep that ends
+# early tells a shorter way that is free.
+MOST_SWEEP_STEPS = 10_000
 NEAR = 20.0  # d_hat: primitives closer than this get room in the Hessian when contact needs any
 
 
@@ -82,7 +86,7 @@ class ScaleContact:
         apart = ipctk.make_vertex_patches_filter(surface.bodies.astype(np.int32))
         self._mesh.can_collide = apart & ipctk.make_static_obstacle_filter(surface.n_home)
         self.stiffness = stiffness
-        self._sweep = ipctk.AdditiveCCD()
+        self._sweep = ipctk.AdditiveCCD(MOST_SWEEP_STEPS)
         self._found: tuple[FloatArray, FloatArray, ipctk.NormalCollisions] | None = None
 
     @property

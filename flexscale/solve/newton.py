@@ -10,7 +10,8 @@ eigenvalues is a saddle: it is left along the mode whose eigenvalue is nearest t
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+import time
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,6 +27,10 @@ _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned asid
 NEAR = 1e-3  # Newton decrement, relative to the energy, from which on to go on is best
 NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
+TIME_LIMIT = (
+    1800.0  # s, processor time; shipped samples take seconds, those of large sheets minutes
+)
+NOT_IN_EXPERIMENTS = {"experiment": False}  # of a field: the machine's and the solver's own
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 
 
@@ -41,13 +46,17 @@ class SolverOptions:
     max_iterations : factorizations per equilibrium.
     penalty : N/mm, rho of the augmented Lagrangian.
     linear_solver : "auto", "pardiso" or "superlu".
+    time_limit : s, processor time that one sample may take until it is given up.
+    deadline : s, of the clock of processor time, at which the present sample is given up.
     """
 
     constraint: str = "bordered"
     tolerance: float = 1e-9
     max_iterations: int = 60
     penalty: float = 10.0
-    linear_solver: str = "auto"
+    linear_solver: str = field(default="auto", metadata=NOT_IN_EXPERIMENTS)
+    time_limit: float = TIME_LIMIT
+    deadline: float = field(default=np.inf, repr=False, compare=False, metadata=NOT_IN_EXPERIMENTS)
 
     def __post_init__(self) -> None:
         if self.constraint not in CONSTRAINT_METHODS:
@@ -58,12 +67,25 @@ class SolverOptions:
         require_positive(self.tolerance, "solver tolerance", "1")
         require_positive(self.max_iterations, "max_iterations", "1")
         require_positive(self.penalty, "penalty", "N/mm")
+        require_positive(self.time_limit, "time_limit", "s")
 
     def to_config(self) -> dict[str, Any]:
-        """Plain numbers and text; the linear solver is left out, results do not depend on it."""
+        """Plain numbers and text, what results depend on: the usual time limit is left out, since
+        a sample that it ends says so, and the linear solver."""
         config = asdict(self)
-        del config["linear_solver"]
+        del config["linear_solver"], config["deadline"]
+        if self.time_limit == TIME_LIMIT:
+            del config["time_limit"]
         return config
+
+    def for_a_sample(self) -> SolverOptions:
+        """The same, with the time of a sample running from now."""
+        return replace(self, deadline=time.process_time() + self.time_limit)
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the time of the present sample is over."""
+        return time.process_time() > self.deadline
 
 
 class Evaluation(Protocol):
@@ -222,6 +244,8 @@ def _newton(
             escapes += 1
             z, evaluation = _leave_saddle(problem, evaluation, z, scale)
             continue
+        if options.out_of_time and not small:
+            return result(SolveStatus.time_limit, iteration)
         length, trial, trial_evaluation = _search(
             problem, z, evaluation, step, decrement, penalty, settled=small
         )

@@ -39,12 +39,11 @@ def option_fields(options: type[Options]) -> list[OptionField]:
 
     The docstring's lines ``name : unit, meaning.`` give unit and meaning; the unit may be missing.
     """
-    wanted = options().to_config()
     entries = re.findall(r"^    (\w+) : (.+(?:\n {8}.+)*)", options.__doc__ or "", re.MULTILINE)
     documented = {name: " ".join(text.split()).rstrip(".") for name, text in entries}
     found = []
     for field in dataclasses.fields(options):  # type: ignore[arg-type]
-        if field.name in wanted:
+        if field.metadata.get("experiment", True):
             text = documented.get(field.name, "")
             unit, comma, meaning = text.partition(", ")
             known = comma and unit in UNITS

@@ -28,6 +28,7 @@ UNITS: dict[str, dict[str, float]] = {
     "MPa": {"MPa": 1.0, "GPa": 1000.0, "kPa": 1e-3, "Pa": 1e-6, "N/mm2": 1.0, "N/mm^2": 1.0},
     "N/mm": {"N/mm": 1.0, "N mm-1": 1.0, "kN/m": 1.0, "N/m": 1e-3},
     "N mm3": {"N mm3": 1.0, "N mm^3": 1.0, "N mm³": 1.0},
+    "s": {"s": 1.0, "min": 60.0, "h": 3600.0},
     "degree": {"degree": 1.0, "degrees": 1.0, "deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},
 }
 

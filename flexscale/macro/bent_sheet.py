@@ -7,7 +7,6 @@ turn, or turns with the arc as a native sheet's end does.
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from flexscale.errors import BadInputError
 from flexscale.macro.conditions import Conditions
+from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.grips import Grip, Sliding
 from flexscale.macro.sheet import Sheet, build_sheet
 from flexscale.macro.sheet_points import sheet_positions
@@ -27,8 +27,6 @@ from flexscale.mesh.sheet import SheetMesh, rectangle
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 from flexscale.units import require_finite, require_positive, require_range
-
-log = logging.getLogger(__name__)
 
 #: Newton decrement over the energy; the step it belongs to is still taken, so that energies are
 #: good to 1e-12 of themselves, and states to 1e-6.
@@ -230,10 +228,8 @@ class BendingRig:
         if largest <= self.curvature_range or self._warned:
             return
         self._warned = True
-        log.warning(
-            "The sheet bends to %.4g mm-1 at (%.1f, %.1f) mm, but the law was fitted up to %.4g "
-            "mm-1: what lies beyond is extrapolated.", largest, *place, self.curvature_range,
-        )  # fmt: skip
+        at = f"at ({place[0]:.1f}, {place[1]:.1f}) mm"
+        warn_beyond("The sheet bends", largest, self.curvature_range, at)
 
 
 def bend_sheet(

@@ -27,6 +27,7 @@ from flexscale.macro.tensors import (
     require_tensors,
     uniaxial_tensors,
     unit_vectors,
+    warn_beyond_tensors,
 )
 from flexscale.mechanics.sheet_law import SheetLaw
 
@@ -86,10 +87,12 @@ class GapModel:
 
     def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
         """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
+        warn_beyond_tensors(curvature, self.largest_curvature)
         return evaluate_tensors(curvature, self.sheet_law())[0]
 
     def tensor_moment(self, curvature: ArrayLike) -> FloatArray:
         """Moments per width (…, 2, 2) in N: derivative of `tensor_energy` by the tensor."""
+        warn_beyond_tensors(curvature, self.largest_curvature)
         return evaluate_tensors(curvature, self.sheet_law())[1]
 
     def onset(self, direction: ArrayLike, side: str = "closing") -> FloatArray:

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
+from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
+from flexscale.macro.rigs import RigOptions, side_sign
 from flexscale.macro.rim import HUB, Rim
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_model import SheetModel
@@ -150,7 +151,7 @@ class MandrelRig:
         first = pushes[int(place[0])]
         force, energy, curvature = np.array([push.numbers for push in pushes])[place].T
         steps = [pushes[index].step for index in place.tolist()]
-        warn_beyond("The disc on the mandrel", curvature, self.curvature_range)
+        warn_beyond("The disc on the mandrel bends", curvature, self.curvature_range)
         return MandrelTest(
             radius=self.rim.radius,
             hub=self.rim.hub,

@@ -14,11 +14,17 @@ from flexscale.datasets.variables import SIDES
 from flexscale.errors import BadInputError, UnknownNameError, suggest
 from flexscale.macro import tensor_law
 from flexscale.macro.assessment import FitErrors
+from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.law_table import build_law_table
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, Variant
 from flexscale.macro.storage import read_model, write_model
 from flexscale.macro.summary import describe_errors, describe_laws, describe_sheet
-from flexscale.macro.tensors import evaluate_tensors, require_curvatures, require_directions
+from flexscale.macro.tensors import (
+    evaluate_tensors,
+    require_curvatures,
+    require_directions,
+    warn_beyond_tensors,
+)
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
 from flexscale.mechanics.sheet_law import SheetLaw
 
@@ -95,14 +101,22 @@ class MacroModel:
     def moment(
         self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
     ) -> FloatArray:
-        """Bending moment per width [N]; curvature (mm-1, >= 0) and direction (degree) broadcast."""
-        return self._law(direction, side).moment(require_curvatures(curvature))
+        """Bending moment per width, N mm per mm of the sheet's width and so in N.
+
+        Parameters
+        ----------
+        curvature : mm-1, >= 0; beyond `largest_curvature` the model extrapolates, and one warning
+            says so.
+        direction : degree, along which the sheet curves; broadcast with the curvature.
+        side : "closing" or "opening".
+        """
+        return self._law(direction, side).moment(self._curvatures(curvature, "A moment"))
 
     def energy(
         self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
     ) -> FloatArray:
-        """Energy per area [N mm-1], the integral of `moment` over the curvature."""
-        return self._law(direction, side).energy(require_curvatures(curvature))
+        """Energy per area [N mm-1], the integral of `moment` over the curvature; as there."""
+        return self._law(direction, side).energy(self._curvatures(curvature, "An energy"))
 
     def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
         """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
@@ -152,8 +166,15 @@ class MacroModel:
         )
 
     def _evaluate(self, curvature: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        warn_beyond_tensors(curvature, self.largest_curvature)
         law = SheetLaw(tensor_law.energy, tensor_law.law, self._table(None), stiffness=0.0)
         return evaluate_tensors(curvature, law)
+
+    def _curvatures(self, curvature: ArrayLike, what: str) -> FloatArray:
+        """Magnitudes of curvatures (mm-1), checked, with a warning beyond the data."""
+        values = require_curvatures(curvature)
+        warn_beyond(f"{what} is asked for up", values, self.largest_curvature)
+        return values
 
     def _law(self, direction: ArrayLike, side: str) -> UniaxialLaw:
         # Contact beyond the samples stays in, or the energy would jump with the direction there.

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
-
-import numpy as np
 
 from flexscale.datasets.variables import SIDES
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
-from flexscale.mechanics.energy import FloatArray
 from flexscale.units import require_positive
-
-log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -48,14 +42,3 @@ def side_sign(side: str) -> float:
     if side not in SIDES:
         raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDES)}")
     return 1.0 if side == "closing" else -1.0
-
-
-def warn_beyond(what: str, curvatures: FloatArray, limit: float) -> None:
-    """One warning where the largest curvature [mm-1] of a test is beyond what the law was fitted
-    to; nan, for what did not converge, does not count."""
-    largest = float(np.nanmax(curvatures, initial=0.0))
-    if largest > limit:
-        log.warning(
-            "%s bends to %.4g mm-1, but the law was fitted up to %.4g mm-1: what lies beyond is "
-            "extrapolated.", what, largest, limit,
-        )  # fmt: skip

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
+from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.rigs import RigOptions, side_sign, warn_beyond
+from flexscale.macro.rigs import RigOptions, side_sign
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_model import SheetModel
 from flexscale.macro.sheet_problem import SheetProblem
@@ -131,7 +132,7 @@ class StageRig:
             arc = hinged_arc(self.length, self.length - shortening, sign)
             steps.append(self._reach(problem, shortening / last, before, arc))
         numbers = np.array([self._numbers(step, sign) for step in steps]).T
-        warn_beyond("The strip on the stage", numbers[3], self.curvature_range)
+        warn_beyond("The strip on the stage bends", numbers[3], self.curvature_range)
         return StageTest(
             length=self.length,
             width=self.width,

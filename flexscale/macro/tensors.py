@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.variables import SIDES
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
+from flexscale.macro.extrapolation import warn_beyond
 from flexscale.mechanics.sheet_law import SheetLaw
 
 
@@ -26,6 +27,17 @@ def evaluate_tensors(curvature: ArrayLike, law: SheetLaw) -> tuple[FloatArray, F
     # The derivative by b12 counts both off-diagonals.
     moments = law.gradients(states)[:, [3, 4, 4, 5]] * [1.0, 0.5, 0.5, 1.0]
     return energies.reshape(tensors.shape[:-2]), moments.reshape(tensors.shape)
+
+
+def warn_beyond_tensors(curvature: ArrayLike, limit: float) -> None:
+    """One warning if a principal curvature of tensors (..., 2, 2) is beyond `limit`, in mm-1.
+
+    Raises
+    ------
+    UnitRangeError : not symmetric 2 by 2 matrices of finite numbers.
+    """
+    principal = np.abs(np.linalg.eigvalsh(require_tensors(curvature)))
+    warn_beyond("Curvature tensors are asked for up", principal, limit)
 
 
 def require_tensors(curvature: ArrayLike) -> FloatArray:

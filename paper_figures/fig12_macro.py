@@ -22,7 +22,13 @@ from flexscale.plotting.macro_polar import (
 from flexscale.plotting.polar_axes import polar_axes
 from flexscale.plotting.scene import draw_pattern
 from flexscale.plotting.selection import pick_values, subject
-from flexscale.plotting.style import PAGE_WIDTH, add_note, flexscale_style, new_figure
+from flexscale.plotting.style import (
+    PAGE_WIDTH,
+    add_note,
+    flexscale_style,
+    moment_label,
+    new_figure,
+)
 
 _COMMAND = "flexscale run workflows/named_patterns.yaml"
 PATTERNS = {"hexagon": "IH20", "square": "IH76", "chevron": "IH64", "threefold": "IH07"}
@@ -61,7 +67,8 @@ def draw(inputs: Mapping[str, xr.Dataset]) -> Figure:
                 panel = polar_axes(figure, (len(PATTERNS), n_columns, first + column))
                 notes += draw_macro_panel(panel, fit, sweep, SIDE, int(index))
         figure.legend(handles=macro_legend(), loc="outside upper right", ncols=2)
-        add_note(figure, [*dict.fromkeys(notes), "each panel has its own radius, from 0"])
+        label = f"{moment_label(inputs['hexagon_sweep'])}; each panel has its own radius, from 0"
+        add_note(figure, [*dict.fromkeys(notes), label])
     return figure
 
 

@@ -25,6 +25,7 @@ from flexscale.plotting.style import (
     PAGE_WIDTH,
     add_note,
     flexscale_style,
+    moment_label,
     new_figure,
     unit_text,
 )
@@ -67,7 +68,7 @@ def macro_polar(
     with flexscale_style():
         height = PAGE_WIDTH * (0.08 + 0.26 * len(rows) * N_CURVATURES / max(len(chosen), 3))
         figure = new_figure(PAGE_WIDTH, height)
-        figure.suptitle(f"{subject(sweep)}: moment, native and macro".lstrip(": "))
+        figure.suptitle(f"{subject(sweep)}: {moment_label(sweep)}, native and macro".lstrip(": "))
         notes: list[str] = []
         for row, side in enumerate(rows):
             for column, index in enumerate(chosen):

@@ -17,6 +17,7 @@ from flexscale.plotting.style import (
     PAGE_WIDTH,
     add_note,
     flexscale_style,
+    moment_label,
     new_figure,
     unit_text,
 )
@@ -46,7 +47,7 @@ def moment_grid(rows: Sequence[tuple[xr.Dataset, xr.Dataset]], side: str = "clos
             draw_pattern(axes, cell)
             axes.set_title(subject(sweep))
             notes += _draw_row(figure, sweep, side, (len(rows), n_columns, first + 1))
-        notes.append("each panel has its own radius, from 0")
+        notes.append(f"{moment_label(rows[0][1])}; each panel has its own radius, from 0")
         add_note(figure, list(dict.fromkeys(notes)))
     return figure
 

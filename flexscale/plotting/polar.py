@@ -31,6 +31,7 @@ from flexscale.plotting.style import (
     add_note,
     curvature_colors,
     flexscale_style,
+    moment_label,
     new_figure,
     unit_text,
 )
@@ -69,11 +70,10 @@ def polar(
         notes: list[str] = []
         all_curves = [moment_curves(sweep, name, chosen) for name in sides]
         radius = common_radius([curve for curves in all_curves for curve in curves])
-        units = unit_text(str(sweep["moment"].attrs.get("units", "N")))
         for column, (name, curves) in enumerate(zip(sides, all_curves, strict=True)):
             axes = polar_axes(figure, (1, len(sides), column + 1))
             notes += draw_polar_curves(axes, curves, radius)
-            axes.set_title(f"{subject(sweep)}, {name}\nmoment [{units}]".lstrip(", "))
+            axes.set_title(f"{subject(sweep)}, {name}\n{moment_label(sweep)}".lstrip(", "))
         handles, labels = figure.axes[0].get_legend_handles_labels()
         figure.legend(
             handles[::-1],

@@ -103,6 +103,16 @@ def axis_label(variable: Any) -> str:
     return f"{name} [{units}]" if units else name
 
 
+def moment_label(sweep: Any) -> str:
+    """``moment per width [N]``: N mm per mm of the sheet's width, where a long name has no room.
+
+    Parameters
+    ----------
+    sweep : dataset with the variable `moment`.
+    """
+    return f"moment per width [{unit_text(str(sweep['moment'].attrs.get('units', 'N')))}]"
+
+
 def add_note(figure: Figure, lines: Sequence[str]) -> None:
     """Small gray remarks under a figure: how it is to be read and what is missing in it."""
     kept = [line for line in lines if line]

@@ -155,6 +155,7 @@ def test_macro_polar_shows_native_and_macro_moments(sweep: xr.Dataset, model: xr
         np.testing.assert_allclose(at_samples, native, rtol=1e-4)
         shown = lines(axes, NATIVE_COLOR)[0]
         np.testing.assert_allclose(shown[: len(DIRECTIONS), 1], native)
+    assert "moment per width [N], native and macro" in figure.get_suptitle()
     assert legend_texts(figure) == ["native", "macro"]
 
 

@@ -55,7 +55,7 @@ def test_radius_starts_at_zero_and_is_common_to_both_sides() -> None:
         "-",
         "--",
     ]
-    assert "[N]" in figure.axes[0].get_title()
+    assert all("moment per width [N]" in axes.get_title() for axes in figure.axes)
 
 
 def test_unconverged_samples_are_gaps_with_crosses_at_the_rim() -> None:

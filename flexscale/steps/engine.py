@@ -43,7 +43,7 @@ def finished_jobs(plan: Plan, store: Store) -> dict[str, str]:
             continue
         sources = [stored[needed] for needed in job.inputs]
         if figure_is_current(job.title, job.pattern, sources, store):
-            results[job.id] = str(figure_path(job.title, job.pattern, store))
+            results[job.id] = str(figure_path(job.title, job.pattern, sources, store))
     return results
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexscale.datasets.identity import Recipe
+from flexscale.datasets.identity import SHORT_DIGEST, Recipe
 from flexscale.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -124,14 +124,19 @@ def figure_recipe(name: str) -> Recipe:
     return Recipe(FIGURE, 1, {"figure": name})
 
 
-def figure_path(name: str, pattern: str, store: Store) -> Path:
-    """The figure's PNG; the PDF and the JSON that names its sources lie beside it."""
-    return store.local / "figures" / f"{pattern}-{name}.png"
+def figure_path(name: str, pattern: str, sources: Sequence[Entry], store: Store) -> Path:
+    """The figure's PNG; the PDF and the JSON that names its sources lie beside it.
+
+    Its name ends with the digits of the first dataset's id, from whose inputs the others are:
+    experiments that compute different things never draw over each other's pictures.
+    """
+    stem = f"{pattern}-{name}-{sources[0].recipe_digest[:SHORT_DIGEST]}"
+    return store.local / "figures" / f"{stem}.png"
 
 
 def figure_is_current(name: str, pattern: str, sources: Sequence[Entry], store: Store) -> bool:
     """Whether the figure is there and shows these datasets, drawn by this very code."""
-    path = figure_path(name, pattern, store)
+    path = figure_path(name, pattern, sources, store)
     if not all(path.with_suffix(ending).is_file() for ending in (".png", ".pdf", ".json")):
         return False
     try:
@@ -151,7 +156,7 @@ def draw_figure(name: str, pattern: str, sources: Sequence[Entry], store: Store)
     from flexscale import plotting
 
     recipe = FIGURES[name]
-    path = figure_path(name, pattern, store)
+    path = figure_path(name, pattern, sources, store)
     plotting.save_figure(
         recipe.draw(plotting, *(store.load(source) for source in sources)),
         path.parent,

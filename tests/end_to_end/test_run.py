@@ -129,10 +129,12 @@ def test_shape_shows_the_curvature_asked_for(finished: Path) -> None:
 def test_pictures_name_their_dataset(finished: Path) -> None:
     folder = finished / "local" / "figures"
     for name in ("polar", "curves", "tangent", "cell"):
-        for ending in ("png", "pdf"):
-            assert (folder / f"square-{name}.{ending}").stat().st_size > 3000
-        content = json.loads((folder / f"square-{name}.json").read_text())
-        assert content["sources"][0]["id"] in digests(finished)
+        (facts,) = folder.glob(f"square-{name}-*.json")
+        for ending in (".png", ".pdf"):
+            assert facts.with_suffix(ending).stat().st_size > 3000
+        source = json.loads(facts.read_text())["sources"][0]["id"]
+        assert source in digests(finished)
+        assert facts.stem == f"square-{name}-{source.split(':')[1]}"
 
 
 def test_second_run_does_nothing(file: Path, finished: Path) -> None:
@@ -203,5 +205,5 @@ def test_samples_that_do_not_converge_are_told_and_the_rest_goes_on(tmp_path: Pa
     assert 0 < failed < 4
     assert f"4 samples, {failed} not converged" in out
     assert "direction 45 degree, closing, curvature 0.1 mm-1" in err
-    assert (results / "local" / "figures" / "square-curves.png").exists()
+    assert list((results / "local" / "figures").glob("square-curves-*.png"))
     assert run(file, results)[0] == 3

@@ -8,9 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.registry import Registry, open_registry
-from flexscale.errors import BadInputError, ConfigError, MissingDataError
+from flexscale.errors import (
+    BadInputError,
+    ConfigError,
+    MissingDataError,
+    UnknownNameError,
+    suggest,
+)
 from flexscale.findings import all_findings
-from flexscale.plotting.figure_scripts import find_scripts
+from flexscale.plotting.figure_scripts import FigureScript, find_scripts
 from flexscale.plotting.figures import draw_figure
 from flexscale.plotting.index_page import write_index
 
@@ -28,14 +34,18 @@ def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Seq
     Returns
     -------
     0, or 4 when a figure lacks data.
+
+    Raises
+    ------
+    BadInputError : an unknown figure, or `use` names no input of these figures, one input twice,
+        or a dataset of another kind.
+    MissingDataError : `use` names a dataset that is not there.
     """
-    chosen = dict(_input(text) for text in use)
+    scripts = find_scripts(scripts_folder(), names)
     registry = open_registry(results)
+    chosen = _chosen(use, scripts, registry)
     target = out if out is not None else results / "local" / "figures"
-    reports = [
-        draw_figure(script, registry, target, use=chosen)
-        for script in find_scripts(scripts_folder(), names)
-    ]
+    reports = [draw_figure(script, registry, target, use=chosen) for script in scripts]
     for report in reports:
         if report.paths:
             print(f"{report.stem}  {report.outcome}", file=sys.stderr)
@@ -68,8 +78,25 @@ def scripts_folder() -> Path:
     return folder
 
 
-def _input(text: str) -> tuple[str, str]:
-    name, equals, identifier = text.partition("=")
-    if not equals:
-        raise ConfigError(f"{text!r} chooses no dataset: write INPUT=ID.")
-    return name, identifier
+def _chosen(
+    use: Sequence[str], scripts: Sequence[FigureScript], registry: Registry
+) -> dict[str, str]:
+    """Dataset id by input name; everything that `use` says has an effect, or is refused."""
+    kinds = {name: need.kind for script in scripts for name, need in script.needs.items()}
+    chosen: dict[str, str] = {}
+    for text in use:
+        name, equals, identifier = text.partition("=")
+        if not equals:
+            raise ConfigError(f"--use {text!r} chooses no dataset: write INPUT=ID.")
+        if name not in kinds:
+            stems = ", ".join(script.stem for script in scripts)
+            hint = suggest(name, kinds, limit=40)
+            raise UnknownNameError(f"--use: there is no input {name!r} of {stems}. {hint}")
+        entry = registry.get(identifier)
+        if entry.kind != kinds[name]:
+            raise ConfigError(
+                f"--use {text}: {name} is a {kinds[name]}, and {entry.id} is a {entry.kind}."
+            )
+        if chosen.setdefault(name, entry.id) != entry.id:
+            raise ConfigError(f"--use chooses {name} twice: {chosen[name]} and {entry.id}.")
+    return chosen

@@ -11,7 +11,10 @@ from pathlib import Path
 import pytest
 
 from flexscale.cli import doctor, main
+from flexscale.datasets.identity import Recipe
+from flexscale.datasets.store import Store
 from flexscale.steps.events import EventReader, EventWriter
+from tests.unit.dataset_samples import cell, sweep
 
 ROOT = Path(__file__).parents[2]
 
@@ -163,3 +166,28 @@ def test_events_come_whole_and_once(tmp_path: Path) -> None:
     with path.open("a") as file:
         file.write('rt", "job": "x"}\n')
     assert list(reader.read()) == [{"event": "start", "job": "x"}]
+
+
+def test_figures_use_refuses_what_has_no_effect(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """An input no figure has, a dataset of another kind or that is not there, an input twice."""
+    store = Store(tmp_path)
+    sweeps = [
+        store.publish(sweep(factor=factor), "sweep", Recipe("sweep", 1, {"factor": factor}))
+        for factor in (1.0, 2.0)
+    ]
+    flat = store.publish(cell(), "cell", Recipe("cell", 1, {}))
+    refused = {
+        "chevron_swep=x": (2, "no input 'chevron_swep' of fig08_moment_polar. Did you mean"),
+        "chevron_sweep": (2, "write INPUT=ID"),
+        f"chevron_sweep={flat.id}": (2, f"is a sweep, and {flat.id} is a cell"),
+        "chevron_sweep=sweep:123456": (4, "no dataset 'sweep:123456'"),
+    }
+    for text, (code, said) in refused.items():
+        assert call(monkeypatch, "figures", "fig08", "--use", text, "--results", tmp_path) == code
+        assert said in capsys.readouterr().err
+    twice = [word for entry in sweeps for word in ("--use", f"chevron_sweep={entry.id}")]
+    assert call(monkeypatch, "figures", "fig08", *twice, "--results", tmp_path) == 2
+    assert "chooses chevron_sweep twice" in capsys.readouterr().err
+    assert not (tmp_path / "local" / "figures").exists()

@@ -42,12 +42,18 @@ COLUMNS: dict[str, tuple[type, str]] = {
     "path": (str, ""),
 }
 
+#: Layers of a results folder: what is shipped, only read, and what was computed here.
+REFERENCE, LOCAL = "reference", "local"
+
+#: What datasets can be asked for: where they lie, and the columns of the catalog.
+PROPERTIES: dict[str, tuple[type, str]] = {"source": (str, ""), **COLUMNS}
+
 
 @dataclass(frozen=True)
 class Entry:
     """One published dataset: what the catalog knows, without opening its file.
 
-    `row` holds the columns of the catalog; `folder` holds data.nc and record.json.
+    `row` holds the values of PROPERTIES; `folder` holds data.nc and record.json.
     """
 
     kind: str
@@ -61,6 +67,11 @@ class Entry:
         """For instance "sweep:3f9c2e71b0aa"."""
         return f"{self.kind}:{self.recipe_digest[:SHORT_DIGEST]}"
 
+    @property
+    def source(self) -> str:
+        """Layer it lies in, "reference" or "local"."""
+        return str(self.row["source"])
+
     @classmethod
     def from_row(cls, row: Mapping[str, Any], layer: Path) -> Entry:
         """Entry of a catalog row; `layer` is the folder the row's path starts from."""
@@ -69,7 +80,7 @@ class Entry:
             recipe_digest=row["recipe_digest"],
             content_digest=row["content_digest"],
             folder=layer / row["path"],
-            row=row,
+            row={"source": layer.name, **row},
         )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.catalog import read_catalog, results_folder, update_catalog
-from flexscale.datasets.entry import Entry, read_record
+from flexscale.datasets.entry import LOCAL, REFERENCE, Entry, read_record
 from flexscale.datasets.selection import Between, Selection, between, by_short_id
 
 if TYPE_CHECKING:
@@ -39,12 +39,15 @@ class Registry:
     def __init__(self, root: str | Path = "results") -> None:
         self.root = results_folder(root)
         found: dict[tuple[str, str], Entry] = {}
+        everywhere: list[Entry] = []
         damaged: list[str] = []
-        for name in ("reference", "local"):
+        for name in (REFERENCE, LOCAL):
             catalog = read_catalog(self.root / name)
             found.update({(entry.kind, entry.recipe_digest): entry for entry in catalog.entries})
+            everywhere.extend(catalog.entries)
             damaged.extend(catalog.damaged)
         self._entries = tuple(sorted(found.values(), key=_order))
+        self._everywhere = tuple(sorted(everywhere, key=_order))
         #: sentences on folders that cannot be read
         self.damaged: tuple[str, ...] = tuple(damaged)
 
@@ -55,16 +58,17 @@ class Registry:
         return len(self._entries)
 
     def find(self, **criteria: Any) -> Selection:
-        """Datasets by kind, family, pattern, status, gap, …; none given means all.
+        """Datasets by source, kind, family, pattern, status, gap, …; none given means all.
 
-        A criterion is a value, a list of allowed values, or `between(low, high, unit)`. `status`
-        is "complete" when every sample converged, else "unconverged".
+        A criterion is a value, a list of allowed values, or `between(low, high, unit)`. `source`
+        is "reference" for what is shipped with the code, "local" for what was computed here;
+        `status` is "complete" when every sample converged, else "unconverged".
 
         Raises
         ------
         UnknownNameError : unknown property or value, with close matches.
         """
-        return Selection(self._entries, self._entries).find(**criteria)
+        return Selection(self._entries, self._everywhere).find(**criteria)
 
     def one(self, **criteria: Any) -> xr.Dataset:
         """The only dataset that meets the criteria, loaded; else an error with the candidates."""

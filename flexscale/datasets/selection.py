@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
-from flexscale.datasets.entry import COLUMNS, Entry
+from flexscale.datasets.entry import COLUMNS, LOCAL, PROPERTIES, REFERENCE, Entry
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.errors import MissingDataError, UnitRangeError, UnknownNameError, suggest
 from flexscale.units import require_finite
@@ -46,7 +46,7 @@ class Selection(Sequence[Entry]):
     Parameters
     ----------
     entries : the choice.
-    universe : all datasets of the registry; values are checked against them.
+    universe : all datasets of all layers of the registry; values are checked against them.
     """
 
     def __init__(self, entries: Iterable[Entry], universe: tuple[Entry, ...]) -> None:
@@ -70,7 +70,8 @@ class Selection(Sequence[Entry]):
 
         Parameters
         ----------
-        criteria : by column of the catalog: a value, a list of allowed values, or `between`.
+        criteria : by property: a value, a list of allowed values, or `between`. For a dataset
+            that lies in both layers, `source` says which copy is meant.
 
         Raises
         ------
@@ -78,15 +79,18 @@ class Selection(Sequence[Entry]):
         """
         entries: Iterable[Entry] = self._entries
         for column, wanted in criteria.items():
-            if column not in COLUMNS:
+            if column not in PROPERTIES:
                 raise UnknownNameError(
-                    f"Datasets have no property {column!r}. {suggest(column, COLUMNS, limit=40)}"
+                    f"Datasets have no property {column!r}. {suggest(column, PROPERTIES, limit=40)}"
                 )
+            if column == "source":
+                ids = {entry.id for entry in entries}
+                entries = [entry for entry in self._universe if entry.id in ids]
             entries = self._filtered(entries, column, wanted)
         return Selection(entries, self._universe)
 
     def _filtered(self, entries: Iterable[Entry], column: str, wanted: Any) -> list[Entry]:
-        kind, unit = COLUMNS[column]
+        kind, unit = PROPERTIES[column]
         if isinstance(wanted, Between):
             if kind is str or wanted.unit != (unit or "1"):
                 raise UnitRangeError(
@@ -117,6 +121,8 @@ class Selection(Sequence[Entry]):
         known = {entry.row[column] for entry in self._universe}
         if column == "kind":
             known |= set(SCHEMAS)
+        if column == "source":
+            known |= {LOCAL, REFERENCE}
         for value in sorted(allowed):
             if value in known:
                 continue
@@ -146,7 +152,7 @@ class Selection(Sequence[Entry]):
         skipped = {"id", "recipe_digest", "content_digest", "path", "file_bytes"}
         return [
             column
-            for column in COLUMNS
+            for column in PROPERTIES
             if column not in skipped and len({entry.row[column] for entry in self._entries}) > 1
         ]
 
@@ -158,7 +164,7 @@ class Selection(Sequence[Entry]):
         """One row a dataset, indexed by id, units in the header; empty columns left out."""
         import pandas as pd
 
-        frame = pd.DataFrame(self.rows(), columns=list(COLUMNS)).set_index("id")
+        frame = pd.DataFrame(self.rows(), columns=list(PROPERTIES)).set_index("id")
         frame = frame.dropna(axis="columns", how="all").drop(
             columns=["recipe_digest", "content_digest", "path"], errors="ignore"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -154,6 +155,36 @@ def test_the_registry_answers_for_its_selections(registry: Registry) -> None:
     assert list(registry.table(kind="cell").index) == [registry.find(kind="cell").one().id]
     assert list(registry.to_tree(kind="sweep", pattern="square").children) == ["IH76"]
     assert registry.stack("gap", kind="sweep", pattern="hexagon").sizes["gap"] == 2
+
+
+@pytest.fixture
+def layered(tmp_path: Path) -> Path:
+    """A hexagon in the reference; locally the same again, and one of another gap."""
+    shipped = Store(tmp_path / "shipped").publish(sweep(), "sweep", recipe())
+    target = tmp_path / "results" / "reference" / shipped.row["path"]
+    shutil.copytree(shipped.folder, target)
+    store = Store(tmp_path / "results")
+    shutil.copytree(shipped.folder, store.local / shipped.row["path"])
+    store.publish(sweep(gap=0.5), "sweep", recipe(gap=0.5))
+    return store.root
+
+
+def test_source_says_which_collection_is_meant(layered: Path) -> None:
+    registry = open_registry(layered)
+    with pytest.raises(MissingDataError, match="2 datasets"):
+        registry.one(kind="sweep", pattern="hexagon")
+    assert registry.one(kind="sweep", pattern="hexagon", source="reference")["gap"] == 0.4
+    assert len(registry.find(source="local")) == 2
+    assert len(registry.find(kind="sweep").find(source="reference")) == 1
+    assert len(registry.find(source=["local", "reference"])) == 3
+    assert [entry.source for entry in registry] == ["local", "local"], "local before reference"
+    assert set(registry.table()["source"]) == {"local"}
+    with pytest.raises(UnknownNameError, match="Did you mean 'reference'"):
+        registry.find(source="referenec")
+
+
+def test_an_empty_source_is_no_error(registry: Registry) -> None:
+    assert len(registry.find(source="reference")) == 0
 
 
 def rows(root: Path) -> list[dict[str, object]]:

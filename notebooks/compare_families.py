@@ -13,9 +13,9 @@ from flexscale.findings.table import all_findings, findings_text
 here = Path.cwd()
 results = next(p / "results" for p in (here, *here.parents) if (p / "results/reference").is_dir())
 registry = fs.open_registry(results)
-sweeps = registry.stack("pattern", kind="sweep")
-fits = registry.stack("pattern", kind="fit")
-tangents = registry.stack("pattern", kind="tangent")
+sweeps = registry.stack("pattern", kind="sweep", source="reference")
+fits = registry.stack("pattern", kind="fit", source="reference")
+tangents = registry.stack("pattern", kind="tangent", source="reference")
 
 # %% [markdown]
 # Softest and stiffest direction of the flat sheet, and by how much they differ:

@@ -18,7 +18,7 @@ registry.table(kind="sweep")
 # One dataset, with units on every variable and axis:
 
 # %%
-sweep = registry.one(kind="sweep", pattern="brick")
+sweep = registry.one(kind="sweep", pattern="brick", source="reference")
 print(sweep["moment"])
 
 # %% [markdown]
@@ -62,4 +62,4 @@ print(parts)
 # Where the numbers come from:
 
 # %%
-registry.lineage(registry.find(kind="fit", pattern="brick").one().id)
+registry.lineage(registry.find(kind="fit", pattern="brick", source="reference").one().id)

@@ -21,12 +21,14 @@ print(pattern)
 # The stored fit of this pattern. To make one: `fs.fit(fs.sweep(pattern, …))`, some minutes.
 
 # %%
-stored = registry.one(kind="fit", pattern="hexagon")
+stored = registry.one(kind="fit", pattern="hexagon", source="reference")
 model = fs.MacroModel.from_dataset(stored)
 print(model)
 
 # %%
-fs.plot.macro_polar(stored, registry.one(kind="sweep", pattern="hexagon"), sides="closing")
+fs.plot.macro_polar(
+    stored, registry.one(kind="sweep", pattern="hexagon", source="reference"), sides="closing"
+)
 
 # %% [markdown]
 # A sheet of 100 x 50 mm, closed to 0.012 /mm in the pattern's direction of 0°. Its free edges give

@@ -1,4 +1,7 @@
-"""The notebooks run on the datasets that come with the code, as scripts, in some seconds."""
+"""The notebooks run as scripts in some seconds, on the datasets that come with the code.
+
+A user's own datasets of the same patterns lie beside these and must not matter.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +17,12 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
-def _quiet(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Without a display, and started from the notebooks' own folder, as Jupyter does."""
+def _quiet(monkeypatch: pytest.MonkeyPatch, crowded_results: Path) -> Iterator[None]:
+    """Without a display, and started from a folder beside the results, as Jupyter does."""
     plt.switch_backend("agg")
-    monkeypatch.chdir(ROOT / "notebooks")
+    folder = crowded_results.parent / "notebooks"
+    folder.mkdir(exist_ok=True)
+    monkeypatch.chdir(folder)
     yield
     plt.close("all")
 

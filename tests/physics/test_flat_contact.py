@@ -19,7 +19,6 @@ from flexscale.homogenize.line import Line, follow_line
 from flexscale.patterns.strip import clip_strip
 from flexscale.solve.newton import SolverOptions
 
-RESULTS = Path(__file__).parents[2] / "results"
 COARSE = fs.MeshOptions().finer(0.5)
 
 
@@ -29,8 +28,8 @@ def squares() -> fs.GapModel:
 
 
 @pytest.fixture(scope="module")
-def reference_hexagon() -> xr.Dataset:
-    return fs.open_registry(RESULTS).one(kind="sweep", pattern="hexagon")
+def reference_hexagon(shipped_results: Path) -> xr.Dataset:
+    return fs.open_registry(shipped_results).one(kind="sweep", pattern="hexagon")
 
 
 @pytest.fixture(scope="module")
@@ -51,10 +50,10 @@ def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> N
 
 
 @pytest.mark.parametrize("name", ["hexagon", "arrowhead"])
-def test_onset_is_that_of_native_sweeps(name: str) -> None:
+def test_onset_is_that_of_native_sweeps(name: str, shipped_results: Path) -> None:
     """Between the last sample free of contact and the first one in contact, give or take a tenth:
     the barrier acts before scales meet, and gaps turn as they close."""
-    sweep = fs.open_registry(RESULTS).one(kind="sweep", pattern=name)
+    sweep = fs.open_registry(shipped_results).one(kind="sweep", pattern=name)
     model = fs.gap_model(fs.named_pattern(name), mesh=COARSE)
     kappa, checked = sweep["curvature"].values, 0
     for side in ("closing", "opening"):
@@ -69,8 +68,8 @@ def test_onset_is_that_of_native_sweeps(name: str) -> None:
     assert checked >= len(sweep["direction"])
 
 
-def test_softenings_fitted_to_a_sweep_bring_energies_close() -> None:
-    sweep = fs.open_registry(RESULTS).one(kind="sweep", pattern="hexagon")
+def test_softenings_fitted_to_a_sweep_bring_energies_close(reference_hexagon: xr.Dataset) -> None:
+    sweep = reference_hexagon
     rough = fs.gap_model(fs.named_pattern("hexagon"), mesh=COARSE)
     fitted = rough.fitted(sweep)
     before, after = (np.sqrt(np.mean(m.errors(sweep)[0] ** 2)) for m in (rough, fitted))
@@ -80,13 +79,15 @@ def test_softenings_fitted_to_a_sweep_bring_energies_close() -> None:
         fs.gap_model(fs.named_pattern("square"), sweep, mesh=COARSE)
 
 
-def test_what_a_sweep_does_not_show_is_not_fitted(reference_hexagon: xr.Dataset) -> None:
+def test_what_a_sweep_does_not_show_is_not_fitted(
+    reference_hexagon: xr.Dataset, shipped_results: Path
+) -> None:
     rough = fs.gap_model(fs.named_pattern("hexagon"), mesh=COARSE)
     opening = rough.fitted(reference_hexagon.sel(side=["opening"]))
     assert opening.softening > 0.0
     assert opening.contact_softening == 0.0
     with pytest.raises(BadInputError, match="different patterns"):
-        rough.errors(fs.open_registry(RESULTS).one(kind="sweep", pattern="square"))
+        rough.errors(fs.open_registry(shipped_results).one(kind="sweep", pattern="square"))
     bad = reference_hexagon.copy(deep=True)
     bad["moment"][0, 0, 5] = -1e-3
     assert rough.fitted(bad).softening == pytest.approx(

@@ -29,7 +29,6 @@ from tests.unit.findings_samples import (
     pattern,
 )
 
-ROOT = Path(__file__).parents[2]
 STIFF = np.diag([100.0, 1.0, 100.0])  # soft along y, but not in any double curvature
 
 #: finding, a pattern that shows it, and one that does not
@@ -194,11 +193,13 @@ def test_convexity() -> None:
 
 
 def test_the_shipped_datasets_give_every_verdict_and_print(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    shipped_results: Path,
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(
-        sys, "argv", ["flexscale", "data", "findings", "--json", "--results", str(ROOT / "results")]
-    )
+    command = ["flexscale", "data", "findings", "--json", "--results", str(shipped_results)]
+    monkeypatch.setattr(sys, "argv", command)
     with pytest.raises(SystemExit) as caught:
         main.main()
     assert not caught.value.code

@@ -19,7 +19,6 @@ from flexscale.steps.catalog import STEPS, FitParameters, SheetParameters
 from flexscale.steps.recompute import recompute, relative_differences
 from tests.unit.fit_samples import law_sweep, tangent
 
-ROOT = Path(__file__).parents[2]
 SHEET = SheetParameters(
     pattern={}, mesh={}, length=60.0, width=30.0, curvatures=(0.0, 0.01), direction=0.0,
     sides=("closing",), size=15.0,
@@ -112,9 +111,9 @@ def test_a_dataset_without_its_inputs_is_refused(stored: Entry, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("kind", ["cell", "fit"])
-def test_shipped_datasets_come_out_again(kind: str) -> None:
+def test_shipped_datasets_come_out_again(kind: str, shipped_results: Path) -> None:
     """To the last bit on the machine that made them; sums may be rounded otherwise elsewhere."""
-    registry = fs.open_registry(ROOT / "results")
+    registry = fs.open_registry(shipped_results)
     entry = registry.find(kind=kind, pattern="square").one()
     found = recompute(entry, registry)
     assert found.close, found.differences
@@ -122,9 +121,9 @@ def test_shipped_datasets_come_out_again(kind: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_shipped_stiffness_comes_out_again() -> None:
+def test_a_shipped_stiffness_comes_out_again(shipped_results: Path) -> None:
     """A linear problem: rounding is all that machines and versions may differ by."""
-    registry = fs.open_registry(ROOT / "results")
+    registry = fs.open_registry(shipped_results)
     found = recompute(registry.find(kind="tangent", pattern="square").one(), registry)
     assert max(found.differences.values(), default=0.0) < 1e-9
 

@@ -16,7 +16,7 @@ import os
 
 from report import datasets_and_output, heading, report
 
-from flexscale.steps.environment import single_threaded
+from flexscale.processes import single_threaded
 
 single_threaded(os.environ)  # as jobs run; before numpy is imported
 

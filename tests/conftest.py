@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from flexscale.steps.environment import single_threaded
+from flexscale.processes import single_threaded
 
 single_threaded(os.environ)  # one thread per process, as in jobs; before any imports numpy
 

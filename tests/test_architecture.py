@@ -16,6 +16,8 @@ FLOORS = {
     "units": 0,
     "status": 0,
     "simplices": 0,
+    "processes": 0,
+    "system_failures": 0,
     "tilings": 1,
     "patterns": 2,
     "mesh": 3,

@@ -139,7 +139,7 @@ def recompute(
     results: Results = Path("results"),
 ) -> None:
     """Compute a dataset again from its recipe and compare; exit code 4 if numbers have changed."""
-    from flexscale.steps.environment import single_threaded
+    from flexscale.processes import single_threaded
 
     single_threaded(os.environ)  # as jobs run; before anything below imports numpy
     from flexscale.datasets.identity import SHORT_DIGEST

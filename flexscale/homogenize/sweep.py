@@ -5,18 +5,16 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from flexscale.embedding.bodies import Body
 from flexscale.errors import UnitRangeError, UnknownNameError, suggest
-from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
+from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
 from flexscale.homogenize.sweep_dataset import build_dataset_of
 from flexscale.homogenize.symmetry import (
@@ -29,7 +27,6 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
-from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
@@ -37,14 +34,12 @@ from flexscale.status import SolveStatus
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Each worker process computes with one thread: same recipe, same bits.
-SINGLE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
-
 
 class Checkpoint(Protocol):
-    """Keeps finished samples, so that a kill loses only those in work. Must be picklable."""
+    """Keeps finished samples, so that a kill loses only those in work.
+
+    Called in the process of the sweep, by one thread at a time.
+    """
 
     def load(self, line_key: str) -> list[dict[str, Any]]:
         """Finished samples of a line, in order."""
@@ -104,7 +99,7 @@ def sweep(
         sample in another as a check; False solves all.
     workers : processes, each with one thread; as many as there are cores if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted sweep.
-    on_sample : called in this process as samples (with several workers: lines) finish.
+    on_sample : called in this process as samples finish.
 
     Returns
     -------
@@ -116,6 +111,7 @@ def sweep(
     ------
     UnitRangeError, UnknownNameError : see `check_sweep`; before anything is solved.
     MeshError : the mesh is too far from the pattern's symmetry to rely on it.
+    ProcessEndedError : a process that solved samples was killed or crashed.
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     check_sweep(pattern, directions, curvatures, sides)
@@ -240,24 +236,6 @@ def _in_turn(
             yield line, sample
 
 
-_worker_problem: CellProblem | None = None
-
-
-def _start_worker(mesh: PeriodicMesh, model: CellModel, bodies: tuple[Body, ...]) -> None:
-    global _worker_problem
-    _worker_problem = CellProblem(mesh, model, bodies)
-
-
-def _work_line(
-    line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
-) -> list[dict[str, Any]]:
-    assert _worker_problem is not None
-    samples = list(_run_line(_worker_problem, line, solver, checkpoint))
-    return [
-        {k: v for k, v in s.items() if k not in ("state", "rate", "second_rate")} for s in samples
-    ]
-
-
 def _in_processes(
     problem: CellProblem,
     lines: Sequence[Line],
@@ -265,19 +243,9 @@ def _in_processes(
     checkpoint: Checkpoint | None,
     workers: int,
 ) -> Iterator[tuple[Line, dict[str, Any]]]:
-    from loky import ProcessPoolExecutor  # needs no __main__ guard in the user's script
-
-    arguments = (problem.mesh, problem.model, problem.bodies)
-    pool = ProcessPoolExecutor(
-        workers, initializer=_start_worker, initargs=arguments, env=SINGLE_THREAD
-    )
-    try:
-        futures = {pool.submit(_work_line, line, solver, checkpoint): line for line in lines}
-        for future in as_completed(futures):
-            for sample in future.result():
-                yield futures[future], sample
-    finally:
-        pool.shutdown(wait=True, kill_workers=True)
+    parts = (problem.mesh, problem.model, problem.bodies)
+    with LineWorkers(parts, solver, checkpoint) as pool:
+        yield from pool.run(lines, workers)
 
 
 def _collect(

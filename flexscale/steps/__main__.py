@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-from flexscale.steps.environment import single_threaded
+from flexscale.processes import single_threaded
 
 if __name__ == "__main__":
     single_threaded(os.environ)

@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-import fcntl
+import errno
 import os
-import signal
 import subprocess
-import sys
 import time
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexscale.datasets.locks import LockedError, file_lock, working_folder
 from flexscale.errors import FlexScaleError, MissingDataError
-from flexscale.steps.environment import EVENTS, RUN_PID, single_threaded
-from flexscale.steps.events import EventReader
+from flexscale.processes import ProcessEndedError
+from flexscale.steps.engine_process import Workplace, describe_engine_end, engine
+from flexscale.steps.environment import STAMPS
 from flexscale.steps.experiment import Experiment
 from flexscale.steps.figures import FIGURE, figure_is_current, figure_path
+from flexscale.steps.job_ends import RESUME, JobEnds
 from flexscale.steps.plan import Plan
+from flexscale.system_failures import SystemFailureError, explain
 
 if TYPE_CHECKING:
     from flexscale.datasets.store import Store
 
-#: Folder of the stamps below results/local; a stamp says that a job has been done.
-STAMPS = ".workflow/done"
-_GRACE = 5.0  # s that processes get to stop before they are killed
+#: Folder below results/local with the lock of the run in work and the log of the last one.
+WORKFLOW = ".workflow"
 _POLL = 0.2  # s between looks at the events
 
 
@@ -66,122 +67,107 @@ def run_plan(
     Raises
     ------
     MissingDataError : another run is working in this folder.
+    SystemFailureError : the folder cannot be written; told before anything is computed.
+    ProcessEndedError : the engine was ended from outside.
     FlexScaleError : the engine itself failed; its log is named.
     """
-    work = store.root.resolve() / "local"
-    (work / STAMPS).mkdir(parents=True, exist_ok=True)
-    with _only_run(work):
-        _match_stamps(plan, store, work)
-        config = work / ".workflow" / "experiment.json"
-        config.write_text(experiment.model_dump_json(indent=1, exclude_none=True))
-        log, events = work / ".workflow" / "engine.log", work / ".workflow" / "events.jsonl"
-        events.unlink(missing_ok=True)
-        reader = EventReader(events)
-        failed = False
-        with log.open("wb") as output, _engine(work, config, events, cores, output) as process:
+    root = store.root.resolve()
+    work = root / "local"
+    try:
+        _require_room(plan, store)
+        (work / WORKFLOW).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _not_writable(work, error) from error
+    with _only_run(work), _workplace(work) as place:
+        _stamp_finished(plan, store, place.folder)
+        place.experiment.write_text(
+            experiment.model_dump_json(indent=1, exclude_none=True), encoding="utf-8"
+        )
+        ends = JobEnds(plan, place)
+        with engine(place, root, cores) as process:
             while process.poll() is None:
                 time.sleep(_POLL)
-                for event in reader.read():
-                    failed |= event["event"] == "error"
-                    yield event
+                if not place.folder.is_dir():
+                    raise SystemFailureError(f"{place.folder} was removed in the run. {RESUME}")
+                yield from ends.news()
                 yield {"event": "tick"}
-        yield from reader.read()
-        if process.returncode != 0 and not failed:
-            raise FlexScaleError(_engine_failure(log, process.returncode))
+        yield from ends.news()
+        if process.returncode > 0:
+            yield from ends.unexplained()
+        if process.returncode < 0 or (process.returncode > 0 and not ends.failed):
+            raise _engine_failure(place, process, at_work=bool(ends.started))
 
 
-def _match_stamps(plan: Plan, store: Store, work: Path) -> None:
-    """Stamps say exactly which jobs are finished, whatever happened to the datasets since."""
-    finished = finished_jobs(plan, store)
-    for job in plan:
-        stamp = work / STAMPS / job.id
-        if job.id in finished:
-            stamp.touch()
-        else:
-            stamp.unlink(missing_ok=True)
+def _engine_failure(
+    place: Workplace, process: subprocess.Popen[bytes], *, at_work: bool
+) -> FlexScaleError:
+    """What is known about the end of an engine whose jobs have not failed."""
+    words, from_outside = describe_engine_end(process.returncode, place)
+    subject = f"The workflow engine (Snakemake, process {process.pid} on {os.uname().nodename})"
+    trouble = place.trouble()
+    if trouble is not None:
+        return SystemFailureError(f"{subject} {words}. {trouble} {RESUME}")
+    if from_outside:
+        return ProcessEndedError(f"{subject} {words}. {RESUME}")
+    if at_work:
+        words += ", though no job had failed, as when a job's shell is ended from outside"
+        return ProcessEndedError(f"{subject} {words}. {RESUME}")
+    return FlexScaleError(f"{subject} {words}:\n{place.last_words()}")
+
+
+def _stamp_finished(plan: Plan, store: Store, folder: Path) -> None:
+    """Stamps say exactly which jobs are finished."""
+    (folder / STAMPS).mkdir()
+    for job_id in finished_jobs(plan, store):
+        (folder / STAMPS / job_id).touch()
+
+
+@contextmanager
+def _workplace(work: Path) -> Iterator[Workplace]:
+    """The engine's folder; its log survives it."""
+    try:
+        with working_folder(work) as folder:
+            place = Workplace(folder)
+            try:
+                yield place
+            finally:
+                with suppress(OSError):
+                    os.replace(place.log, work / WORKFLOW / place.log.name)
+    except OSError as error:
+        raise _not_writable(work, error) from error
 
 
 @contextmanager
 def _only_run(work: Path) -> Iterator[None]:
     """Hold the folder's lock; it goes with the process, however that ends."""
-    with (work / ".workflow" / "lock").open("a+") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            lock.seek(0)
-            raise MissingDataError(
-                f"Another flexscale run (process {lock.read().strip()}) is working in {work}: wait "
-                "for it, or give this one another folder with --results."
-            ) from error
-        lock.truncate(0)
-        lock.write(str(os.getpid()))
-        lock.flush()
-        yield
+    try:
+        with file_lock(work / WORKFLOW / "lock", 0.0, _tell_other_run):
+            yield
+    except LockedError as error:
+        raise MissingDataError(str(error)) from error
 
 
-@contextmanager
-def _engine(
-    work: Path, config: Path, events: Path, cores: int, output: Any
-) -> Iterator[subprocess.Popen[bytes]]:
-    """Snakemake in a process group of its own, which is gone when the block is left."""
-    environment = dict(os.environ)
-    single_threaded(environment)
-    package_root = str(Path(__file__).resolve().parents[2])
-    paths = [package_root, *filter(None, [environment.get("PYTHONPATH")])]
-    environment |= {
-        "PYTHONPATH": os.pathsep.join(paths),
-        EVENTS: str(events),
-        RUN_PID: str(os.getpid()),
-    }
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
-    command += ["--directory", str(work), "--configfile", str(config), "--cores", str(cores)]
-    # Whether a job is done is told by its stamp alone; see `_match_stamps`.
-    command += ["--nolock", "--rerun-incomplete", "--rerun-triggers", "mtime"]
-    command += ["--keep-going", "--quiet", "all"]
-    # The shell gets a group of its own, so that Ctrl-C reaches only us and we stop all in order.
-    process = subprocess.Popen(
-        command,
-        cwd=work,
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        stdout=output,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
+def _tell_other_run(path: Path, owner: str) -> str:
+    return (
+        f"Another flexscale run ({owner}) is working in {path.parents[1]}: wait for it, or give "
+        "this one another folder with --results."
     )
-    try:
-        yield process
-    finally:
-        _stop_group(process)
 
 
-def _stop_group(process: subprocess.Popen[bytes]) -> None:
-    """Stop the process and all its descendants; samples in work are lost, finished ones kept."""
-    for sign, patience in ((signal.SIGTERM, _GRACE), (signal.SIGKILL, _GRACE)):
-        try:
-            os.killpg(process.pid, sign)
-        except ProcessLookupError:
-            break
-        deadline = time.monotonic() + patience
-        while time.monotonic() < deadline and _group_lives(process):
-            time.sleep(0.05)
-    process.wait()
+def _require_room(plan: Plan, store: Store) -> None:
+    """Refuse folders that could not take the results, before anything is computed."""
+    folders = {store.local / job.step / job.family / job.pattern for job in plan}
+    for folder in sorted(folders | {store.local, figure_path("", "", store).parent}):
+        there = folder
+        while not there.exists() and there != there.parent:
+            there = there.parent
+        if not there.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(there))
+        if not os.access(there, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, "It cannot be written", str(there))
 
 
-def _group_lives(process: subprocess.Popen[bytes]) -> bool:
-    process.poll()
-    try:
-        os.killpg(process.pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-def snakefile() -> Path:
-    """The workflow's rules: beside this file when installed, in workflows/ of a checkout."""
-    installed = Path(__file__).with_name("Snakefile")
-    return installed if installed.exists() else installed.parents[2] / "workflows" / "Snakefile"
-
-
-def _engine_failure(log: Path, code: int) -> str:
-    tail = log.read_text(errors="replace").strip().splitlines()[-8:]
-    return f"The workflow engine stopped with code {code}; the end of {log}:\n" + "\n".join(tail)
+def _not_writable(folder: Path, error: OSError) -> FlexScaleError:
+    """The sentence on a folder in which something cannot be written."""
+    told = explain(error)
+    return told or SystemFailureError(f"{folder} cannot be written: {error.strerror or error}.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +22,20 @@ class EventWriter:
         self.path = path
 
     def write(self, event: str, job: str, **facts: Any) -> None:
-        """Append one event of a job; `facts` are plain numbers and text."""
+        """Append one event of a job; `facts` are plain numbers and text.
+
+        A full disk loses the event, never the work that it tells of.
+        """
         if self.path is None:
             return
         line = json.dumps({"event": event, "job": job, **facts}) + "\n"
         # One write to a file opened for appending: lines of several processes never mix.
-        handle = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
-        try:
-            os.write(handle, line.encode())
-        finally:
-            os.close(handle)
+        with suppress(OSError):
+            handle = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+            try:
+                os.write(handle, line.encode())
+            finally:
+                os.close(handle)
 
 
 class EventReader:
@@ -50,4 +55,8 @@ class EventReader:
                 if not line.endswith(b"\n"):
                     return
                 self.position += len(line)
-                yield json.loads(line)
+                try:
+                    event = json.loads(line)
+                except ValueError:  # of a process that was killed, or a full disk
+                    continue
+                yield event

@@ -23,8 +23,10 @@ from flexscale.steps.environment import EVENTS, RUN_PID
 from flexscale.steps.events import EventWriter
 from flexscale.steps.experiment import load_experiment
 from flexscale.steps.figures import FIGURE, draw_figure
+from flexscale.steps.job_ends import RESUME
 from flexscale.steps.plan import Job, Plan, build_plan
 from flexscale.steps.summary import failed_samples
+from flexscale.system_failures import explain
 
 
 def run_job(plan: Plan, job: Job, store: Store, workers: int, events: EventWriter) -> None:
@@ -100,10 +102,20 @@ def watch_parent(pid: int) -> None:
     `flexscale run` may be killed without a chance to clean up; nothing may then keep computing
     behind the user's back.
     """
-    parent = psutil.Process(pid)
+    parent = psutil.Process(pid) if psutil.pid_exists(pid) else None
+
+    def lives() -> bool:
+        try:
+            return (
+                parent is not None
+                and parent.is_running()
+                and parent.status() != psutil.STATUS_ZOMBIE
+            )
+        except psutil.NoSuchProcess:
+            return False
 
     def watch() -> None:
-        while parent.is_running() and parent.status() != psutil.STATUS_ZOMBIE:
+        while lives():
             time.sleep(1.0)
         os.killpg(os.getpgrp(), signal.SIGKILL)
 
@@ -125,15 +137,18 @@ def main(arguments: list[str]) -> int:
     try:
         plan = build_plan(load_experiment(options.experiment))
         run_job(plan, plan[options.job], Store(options.results), options.workers, events)
-    except FlexScaleError as error:
-        events.write("error", options.job, message=str(error), exit_code=error.exit_code)
-        print(f"error: {error}", file=sys.stderr)
-        return error.exit_code
-    except Exception as error:  # reported as a bug, with the trace, by the process that waits
+        options.stamp.parent.mkdir(parents=True, exist_ok=True)
+        options.stamp.touch()
+    except Exception as error:
+        known = error if isinstance(error, FlexScaleError) else explain(error)
+        if known is not None:
+            message = " ".join([str(known), *([RESUME] if known is not error else [])])
+            events.write("error", options.job, message=message, exit_code=known.exit_code)
+            print(f"error: {message}", file=sys.stderr)
+            return known.exit_code
+        # Reported as a bug, with the trace, by the process that waits.
         trace = traceback.format_exc()
         events.write("error", options.job, message=repr(error), exit_code=1, trace=trace)
         print(trace, file=sys.stderr)
         return 1
-    options.stamp.parent.mkdir(parents=True, exist_ok=True)
-    options.stamp.touch()
     return 0

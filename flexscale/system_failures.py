@@ -1,0 +1,67 @@
+"""What the machine refuses (disk full, folder not writable, no memory), as sentences."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+from flexscale.errors import FlexScaleError
+
+_ANOTHER_DISK = "free some space there, or choose another disk with --results"
+_ANOTHER_FOLDER = "choose a folder that can be written, with --results or --out"
+_LESS = "give it fewer processes (--cores), a coarser mesh, or more memory"
+_DISK_FAILS = "look after that disk, or choose another one with --results"
+#: Errors that are the machine's, not ours -> what to do.
+_REMEDIES = {
+    errno.ENOSPC: _ANOTHER_DISK,
+    errno.EDQUOT: _ANOTHER_DISK,
+    errno.EFBIG: "files may not become that large (ulimit -f): raise the limit",
+    errno.EROFS: _ANOTHER_FOLDER,
+    errno.EACCES: _ANOTHER_FOLDER,
+    errno.EPERM: _ANOTHER_FOLDER,
+    errno.ENOTDIR: _ANOTHER_FOLDER,
+    errno.ELOOP: _ANOTHER_FOLDER,
+    errno.ENAMETOOLONG: "choose a shorter one",
+    errno.ENOMEM: _LESS,
+    errno.EAGAIN: "raise the limit of processes (ulimit -u)",
+    errno.EMFILE: "raise the limit of open files (ulimit -n)",
+    errno.ENFILE: "end what holds so many files open",
+    errno.EIO: _DISK_FAILS,
+    errno.ESTALE: _DISK_FAILS,
+    errno.ETIMEDOUT: _DISK_FAILS,
+}
+
+
+class SystemFailureError(FlexScaleError):
+    """The machine refuses something: a disk is full, a folder not writable, memory short."""
+
+    exit_code = 4
+
+
+#: What libraries say, in lower case, where memory is short.
+_NO_MEMORY_WORDS = (
+    "memoryerror",
+    "bad_alloc",
+    "cannot allocate memory",
+    "can't start new thread",
+    "failed to map segment",
+    "out of memory",
+)
+
+
+def explain(error: BaseException) -> SystemFailureError | None:
+    """The error as a sentence on the machine, None where it is no such error."""
+    if isinstance(error, OSError) and error.errno in _REMEDIES:
+        where = f"{error.filename}: " if error.filename else ""
+        return SystemFailureError(f"{where}{error.strerror}; {_REMEDIES[error.errno]}.")
+    told = explain_words(f"{type(error).__name__}: {error}")
+    return SystemFailureError(told) if told else None
+
+
+def explain_words(text: str) -> str | None:
+    """A sentence on the machine for what a library said last, None where it told no such thing."""
+    if any(words in text.lower() for words in _NO_MEMORY_WORDS):
+        return f"There is not enough memory: {_LESS}."
+    if os.strerror(errno.ENOSPC).lower() in text.lower():
+        return f"The disk is full: {_ANOTHER_DISK}."
+    return None

@@ -9,6 +9,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+from flexscale.kernel_cache import provide_kernel_cache
+
 if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
     from flexscale.tilings import Tiling, families
 
 __version__ = "0.1.0"
+
+provide_kernel_cache()
 
 __all__ = [
     "PETG",

@@ -62,6 +62,11 @@ def explain_words(text: str) -> str | None:
     """A sentence on the machine for what a library said last, None where it told no such thing."""
     if any(words in text.lower() for words in _NO_MEMORY_WORDS):
         return f"There is not enough memory: {_LESS}."
+    if "no locator available for file" in text:
+        return (
+            "There is no folder for compiled kernels that can be written: name one by the "
+            "environment variable NUMBA_CACHE_DIR."
+        )
     if os.strerror(errno.ENOSPC).lower() in text.lower():
         return f"The disk is full: {_ANOTHER_DISK}."
     return None

@@ -16,6 +16,7 @@ FLOORS = {
     "units": 0,
     "status": 0,
     "simplices": 0,
+    "kernel_cache": 0,
     "processes": 0,
     "system_failures": 0,
     "tilings": 1,

@@ -6,6 +6,7 @@ Heavy libraries are imported inside the commands: `flexscale --help` is instant.
 from __future__ import annotations
 
 import logging
+import os
 import sys
 import traceback
 from pathlib import Path
@@ -15,7 +16,11 @@ import typer
 
 from flexscale.cli import data, fabricate, tiling
 from flexscale.cli.options import Json, Quiet, Results
+from flexscale.cli.terminal import Interrupted, interruptible, show_what_it_can
 from flexscale.errors import FlexScaleError
+from flexscale.system_failures import explain
+
+INTERRUPTED = 130
 
 app = typer.Typer(
     name="flexscale",
@@ -104,12 +109,30 @@ def _common(
 
 def main() -> None:
     """Entry point: run the command, turn errors into one message and their exit code."""
+    show_what_it_can()
+    # Pictures go to files, whatever window or notebook the user's plots go to.
+    os.environ["MPLBACKEND"] = "Agg"
+    sys.exit(_exit_code())
+
+
+def _exit_code() -> int:
     try:
-        app()
-    except FlexScaleError as error:
-        print(f"flexscale: {error}", file=sys.stderr)
-        sys.exit(error.exit_code)
-    except Exception:
+        with interruptible():
+            app()
+    except SystemExit as end:  # how `app` returns
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+    except Interrupted:
+        print(
+            "flexscale: interrupted; finished work is kept. Go on with the same command.",
+            file=sys.stderr,
+        )
+        return INTERRUPTED
+    except Exception as error:
+        known = error if isinstance(error, FlexScaleError) else explain(error)
+        if known is not None:
+            print(f"flexscale: {known}", file=sys.stderr)
+            return known.exit_code
         traceback.print_exc()
         print("flexscale: this is a bug; please report it with the lines above.", file=sys.stderr)
-        sys.exit(1)
+        return 1
+    return 0

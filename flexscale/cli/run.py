@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from contextlib import closing
 from pathlib import Path
@@ -20,7 +19,6 @@ from flexscale.steps.plan import Job, Plan, build_plan
 from flexscale.steps.summary import describe_fields, outcome
 
 NOT_CONVERGED = 3
-INTERRUPTED = 130
 
 
 def run_experiment(
@@ -38,8 +36,7 @@ def run_experiment(
 
     Returns
     -------
-    Exit code: 0; 3 when samples did not converge; 130 when stopped by Ctrl-C or a termination
-    signal, with finished work kept; else that of the first job that failed.
+    Exit code: 0; 3 when samples did not converge; else that of the first job that failed.
 
     Raises
     ------
@@ -55,14 +52,7 @@ def run_experiment(
     errors: dict[str, dict[str, Any]] = {}
     seconds: dict[str, float] = {}
     if len(finished) < len(plan.jobs):
-        try:
-            errors, seconds = _run(plan, experiment, store, cores or _all_cores(), finished, quiet)
-        except KeyboardInterrupt:
-            print(
-                "flexscale: interrupted; finished work is kept. Go on with the same command.",
-                file=sys.stderr,
-            )
-            return INTERRUPTED
+        errors, seconds = _run(plan, experiment, store, cores or _all_cores(), finished, quiet)
     return _report(plan, store, seconds, errors)
 
 
@@ -77,8 +67,6 @@ def _run(
     """Run the unfinished jobs; (errors, seconds) by job id."""
     errors: dict[str, dict[str, Any]] = {}
     seconds: dict[str, float] = {}
-    signal.signal(signal.SIGINT, _interrupt)
-    signal.signal(signal.SIGTERM, _interrupt)
     with (
         Progress(plan, finished, quiet=quiet) as progress,
         closing(run_plan(plan, experiment, store, cores)) as events,
@@ -90,10 +78,6 @@ def _run(
             elif event["event"] == "end":
                 seconds[event["job"]] = event["seconds"]
     return errors, seconds
-
-
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt
 
 
 def _announce(plan: Plan, finished: dict[str, str], registry: Registry, cores: int) -> None:

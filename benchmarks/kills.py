@@ -209,7 +209,7 @@ def do_kills(number: int, log: Path) -> list[dict[str, object]]:
     """Lines of the log, made as far as they are missing: kills, and ends of folders."""
     lines = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
     counts = Counter(line["role"] for line in lines if "role" in line)
-    chance = random.Random(len(lines))
+    chance = random.Random()
     with tempfile.TemporaryDirectory() as name:
         file = Path(name) / "kills.yaml"
         file.write_text(EXPERIMENT)

@@ -95,12 +95,10 @@ def run_plan(
         if process.returncode > 0:
             yield from ends.unexplained()
         if process.returncode < 0 or (process.returncode > 0 and not ends.failed):
-            raise _engine_failure(place, process, at_work=bool(ends.started))
+            raise _engine_failure(place, process)
 
 
-def _engine_failure(
-    place: Workplace, process: subprocess.Popen[bytes], *, at_work: bool
-) -> FlexScaleError:
+def _engine_failure(place: Workplace, process: subprocess.Popen[bytes]) -> FlexScaleError:
     """What is known about the end of an engine whose jobs have not failed."""
     words, from_outside = describe_engine_end(process.returncode, place)
     subject = f"The workflow engine (Snakemake, process {process.pid} on {os.uname().nodename})"
@@ -108,9 +106,6 @@ def _engine_failure(
     if trouble is not None:
         return SystemFailureError(f"{subject} {words}. {trouble} {RESUME}")
     if from_outside:
-        return ProcessEndedError(f"{subject} {words}. {RESUME}")
-    if at_work:
-        words += ", though no job had failed, as when a job's shell is ended from outside"
         return ProcessEndedError(f"{subject} {words}. {RESUME}")
     return FlexScaleError(f"{subject} {words}:\n{place.last_words()}")
 

@@ -22,6 +22,8 @@ _LAST_LINES = 8
 _PROBE = bytes(2**16)
 #: What Snakemake says when it is asked to end (SIGTERM).
 _ASKED_TO_END = "Will exit after finishing currently running jobs"
+#: What it says when the shell of a job has failed.
+_JOB_FAILED = "At least one job did not complete successfully"
 
 
 @dataclass(frozen=True)
@@ -134,4 +136,6 @@ def describe_engine_end(code: int, place: Workplace) -> tuple[str, bool]:
         return describe_end(code), True
     if _ASKED_TO_END in place.printed():
         return "was asked to end, from outside", True
+    if _JOB_FAILED in place.printed():
+        return f"stopped with code {code}, since a job's shell was ended from outside", True
     return f"stopped with code {code}", False

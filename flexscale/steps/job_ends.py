@@ -31,7 +31,7 @@ class JobEnds:
         self.failed = False
 
     def news(self) -> Iterator[dict[str, Any]]:
-        """New events, "exit" ones turned into errors where the job has told none."""
+        """New events of jobs; what their shells told becomes errors where jobs told none."""
         for event in self.reader.read():
             kind, job_id = event["event"], event["job"]
             if kind == "exit":
@@ -39,6 +39,8 @@ class JobEnds:
                     yield self._error(job_id, describe_end(event["exit_code"]))
                 continue
             self.started.add(job_id)
+            if kind == "begin":
+                continue
             if kind in ("end", "error"):
                 self.over.add(job_id)
                 self.failed |= kind == "error"

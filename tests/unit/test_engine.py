@@ -78,6 +78,17 @@ def test_a_job_killed_with_its_shell_is_told(run: Any) -> None:
     assert error["exit_code"] == 4
 
 
+@pytest.mark.parametrize("begun", [True, False])
+def test_a_shell_killed_before_its_job_began_is_told(run: Any, begun: bool) -> None:
+    if begun:
+        assert (
+            "ended from outside" in run(START.replace("start", "begin") + "exit 1")[-1]["message"]
+        )
+        return
+    with pytest.raises(ProcessEndedError, match="a job's shell was ended from outside"):
+        run(f"echo '{engine_process._JOB_FAILED}.'; exit 1")
+
+
 def test_what_a_job_told_itself_is_told_once(run: Any) -> None:
     told = START.replace("start", "error").replace('"}', '", "message": "no", "exit_code": 2}')
     events = run(START + told + EXIT + "exit 1")

@@ -1,0 +1,213 @@
+"""Terminals of any encoding, machines without a home, signals: no command fails on them."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import typer.main
+
+from flexscale import kernel_cache
+from flexscale.cli import doctor, main
+from flexscale.cli.terminal import Interrupted, interruptible
+
+ROOT = Path(__file__).parents[2]
+
+
+def every_command() -> list[list[str]]:
+    """Names of all commands, with their groups."""
+    found, groups = [], [([], typer.main.get_command(main.app))]
+    while groups:
+        names, command = groups.pop()
+        found.append(names)
+        for name, part in getattr(command, "commands", {}).items():
+            groups.append(([*names, name], part))
+    return sorted(found)
+
+
+def said_by(
+    monkeypatch: pytest.MonkeyPatch, encoding: str, arguments: list[str]
+) -> tuple[int, str, str]:
+    """Exit code and output of a command on a terminal that has nothing but this encoding."""
+    streams = [io.TextIOWrapper(io.BytesIO(), encoding=encoding) for _ in range(2)]
+    monkeypatch.setattr(sys, "argv", ["flexscale", *arguments])
+    monkeypatch.setattr(sys, "stdout", streams[0])
+    monkeypatch.setattr(sys, "stderr", streams[1])
+    with pytest.raises(SystemExit) as caught:
+        main.main()
+    for stream in streams:
+        stream.flush()
+    # Help goes through a library that takes ASCII for a mistake, and writes UTF-8.
+    told = "utf-8" if encoding == "ascii" else encoding
+    out, err = (stream.buffer.getvalue().decode(told) for stream in streams)
+    return int(caught.value.code or 0), out, err
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252", "utf-8"])
+def test_help_of_every_command_on_every_terminal(
+    monkeypatch: pytest.MonkeyPatch, encoding: str
+) -> None:
+    commands = every_command()
+    assert ["data", "findings"] in commands
+    assert len(commands) > 15
+    for command in commands:
+        code, out, err = said_by(monkeypatch, encoding, [*command, "--help"])
+        assert (code, err) == (0, ""), command
+        assert "Usage" in out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "--fields"],
+        ["run", str(ROOT / "workflows" / "quickstart.yaml"), "--dry-run"],
+        ["run", "größe.yaml"],
+        ["data", "list", "κ=3"],
+        ["data", "list", "kind=fit"],
+        ["data", "findings", "isotropic-to-tetragonal"],
+        ["data", "show", "sweep:é"],
+        ["tiling", "list"],
+        ["tiling", "list", "IH07"],
+        ["figures", "κ"],
+        ["fabricate", "κ"],
+        ["doctor"],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_commands_say_what_they_say_on_every_terminal(
+    monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
+    monkeypatch.setattr(doctor, "_findings", lambda: [doctor.Finding("ok", "κ", "°")])
+    there = ["--results", str(ROOT / "results")]
+    given = [*arguments, *(there if arguments[0] in ("data", "figures") else [])]
+    code, out, err = said_by(monkeypatch, "utf-8", given)
+    assert "this is a bug" not in err
+    plain = [text.encode("ascii", "backslashreplace").decode() for text in (out, err)]
+    assert said_by(monkeypatch, "ascii", given) == (code, *plain)
+
+
+def test_there_is_a_place_for_kernels_where_numba_finds_none(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(kernel_cache, "_where_numba_looks", lambda: [Path("/dev/null/cache")])
+    monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "/dev/null/cache")
+    kernel_cache.provide_kernel_cache()
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
+    assert folder.parent == tmp_path
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    kernel_cache.provide_kernel_cache()
+    assert os.environ["NUMBA_CACHE_DIR"] == str(folder)
+    folder.chmod(0o777)  # others could put in what we then run
+    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(tmp_path))
+    kernel_cache.provide_kernel_cache()
+    other = Path(os.environ["NUMBA_CACHE_DIR"])
+    assert other != folder
+    assert stat.S_IMODE(other.stat().st_mode) == 0o700
+
+
+def test_numba_keeps_its_place_where_it_has_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr(kernel_cache, "_where_numba_looks", lambda: [tmp_path / "new" / "folder"])
+    kernel_cache.provide_kernel_cache()
+    assert "NUMBA_CACHE_DIR" not in os.environ
+    assert not (tmp_path / "new").exists()
+
+
+#: Only a temporary folder can be written, as numba finds out by writing there.
+NO_HOME = """
+import os, sys, tempfile
+allowed, write = os.environ["TMPDIR"], tempfile.TemporaryFile
+def guarded(*arguments, dir=None, **options):
+    if dir is not None and not str(dir).startswith(allowed):
+        raise PermissionError(13, "Permission denied", dir)
+    return write(*arguments, dir=dir, **options)
+tempfile.TemporaryFile = guarded
+os.access = lambda path, mode: str(path).startswith(allowed)
+import flexscale.mechanics.linear_law
+print(os.environ["NUMBA_CACHE_DIR"])
+"""
+
+
+def test_kernels_load_for_somebody_without_a_home(tmp_path: Path) -> None:
+    """In an installation that is not theirs."""
+    environment = dict(os.environ) | {"TMPDIR": str(tmp_path), "HOME": "/dev/null"}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    done = subprocess.run(
+        [sys.executable, "-c", NO_HOME],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == str(tmp_path / f"flexscale-kernels-{os.getuid()}")
+
+
+def test_plots_of_commands_need_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
+    assert said_by(monkeypatch, "utf-8", ["--help"])[0] == 0
+    assert os.environ["MPLBACKEND"] == "Agg"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_interrupts_once(number: signal.Signals) -> None:
+    before = signal.getsignal(number)
+    cleaned = False
+
+    def work() -> None:
+        nonlocal cleaned
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(5)
+        finally:
+            os.kill(os.getpid(), number)
+            time.sleep(0.01)
+            cleaned = True
+
+    with pytest.raises(Interrupted), interruptible():
+        work()
+    assert cleaned
+    assert signal.getsignal(number) == before
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_any_interrupted_command_ends_with_130(
+    monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    monkeypatch.setattr(doctor, "_findings", lambda: os.kill(os.getpid(), number))
+    code, out, err = said_by(monkeypatch, "utf-8", ["doctor"])
+    assert (code, out) == (130, "")
+    assert "interrupted; finished work is kept" in err
+
+
+@pytest.mark.parametrize(
+    ("error", "sentence"),
+    [
+        (OSError(28, "No space left on device", "/data/x"), "/data/x: No space left on device; fr"),
+        (OSError(30, "Read-only file system", "/data"), "/data: Read-only file system; choose a"),
+        (PermissionError(13, "Permission denied", "/data"), "Permission denied; choose a folder"),
+        (MemoryError(), "There is not enough memory"),
+        (RuntimeError("can't start new thread"), "There is not enough memory"),
+    ],
+)
+def test_what_the_machine_refuses_is_no_bug(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, sentence: str
+) -> None:
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(doctor, "_findings", fail)
+    code, _, err = said_by(monkeypatch, "utf-8", ["doctor"])
+    assert code == 4
+    assert err.startswith("flexscale: ")
+    assert sentence in err

@@ -9,10 +9,11 @@ from typing import Any
 
 from flexscale.datasets.catalog import list_folders
 from flexscale.datasets.checks import check_dataset
-from flexscale.datasets.entry import DATA_FILE, Entry, read_record
-from flexscale.datasets.files import entry_of_folder, read_netcdf, verify_file
+from flexscale.datasets.entry import Entry
+from flexscale.datasets.files import entry_of_folder, load_entry
 from flexscale.datasets.identity import Recipe, content_digest
 from flexscale.datasets.locks import STAGING
+from flexscale.datasets.record import read_record
 from flexscale.datasets.registry import open_registry
 from flexscale.errors import DatasetError, IntegrityError
 
@@ -48,8 +49,7 @@ def check_results(root: str | Path = "results") -> Iterator[Finding]:
 
 
 def _verify(entry: Entry, record: dict[str, Any]) -> None:
-    verify_file(entry.folder, record)
-    dataset = read_netcdf(entry.folder / DATA_FILE)
+    dataset = load_entry(entry)
     check_dataset(dataset, entry.kind)
     if content_digest(dataset) != entry.content_digest:
         raise IntegrityError(f"{entry.folder}: the content does not have its recorded digest.")

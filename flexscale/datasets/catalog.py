@@ -7,6 +7,7 @@ with it; records that it lacks are read, rows without a folder are dropped.
 from __future__ import annotations
 
 import csv
+import io
 import logging
 import os
 from collections.abc import Collection, Mapping
@@ -14,16 +15,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flexscale.datasets.entry import COLUMNS, RECORD_FILE, Entry, read_record, row_of_record
+from flexscale.datasets.entry import COLUMNS, Entry, is_sound_row, row_of_record
 from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.datasets.locks import layer_lock
+from flexscale.datasets.record import read_record
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.staging import write_atomically
+from flexscale.datasets.untrusted import read_regular
 from flexscale.errors import BadInputError, DatasetError, IntegrityError
 
 logger = logging.getLogger(__name__)
 
 CATALOG_FILE = "catalog.csv"
+_LARGEST_CATALOG = 2**30  # bytes
 
 
 @dataclass(frozen=True)
@@ -82,8 +86,11 @@ def update_catalog(layer: Path, changed: Collection[str] = (), *, rebuild: bool 
 
 
 def list_folders(layer: Path) -> list[str]:
-    """Paths kind/family/pattern/digest below the layer, with slashes; opens no file."""
-    found = [kind for kind in SCHEMAS if (layer / kind).is_dir()]
+    """Paths kind/family/pattern/digest below the layer, with slashes; opens no file.
+
+    Symbolic links are left out: they may lead anywhere.
+    """
+    found = [kind for kind in _subfolders(layer) if kind in SCHEMAS]
     for _ in range(3):
         found = [f"{parent}/{name}" for parent in found for name in _subfolders(layer / parent)]
     return sorted(path for path in found if len(path.rsplit("/", 1)[1]) == SHORT_DIGEST)
@@ -92,8 +99,12 @@ def list_folders(layer: Path) -> list[str]:
 def _subfolders(folder: Path) -> list[str]:
     try:
         with os.scandir(folder) as items:
-            return [item.name for item in items if item.is_dir() and item.name[0] != "."]
-    except FileNotFoundError:  # removed by someone else meanwhile
+            return [
+                item.name
+                for item in items
+                if item.is_dir(follow_symlinks=False) and item.name[0] != "."
+            ]
+    except OSError:  # not there, removed by someone else meanwhile, or not for us
         return []
 
 
@@ -113,28 +124,28 @@ def _reconciled(
         fresh = True
         try:
             rows[path] = row_of_record(read_record(layer / path), path)
-        except IntegrityError as error:
-            if (layer / path / RECORD_FILE).parent.is_dir():
+        except DatasetError as error:
+            if (layer / path).is_dir():
                 damaged.append(str(error))
     return rows, damaged, fresh or rows.keys() != stored.keys()
 
 
 def _read_rows(path: Path) -> dict[str, dict[str, Any]]:
-    """Rows of a catalog by path; {} when it is missing, damaged or has other columns."""
+    """Rows of a catalog by path, as far as they can be true; {} when it has other columns."""
+    convert = [(name, _CONVERTERS[kind]) for name, (kind, _) in COLUMNS.items()]
+    rows = {}
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            reader = csv.reader(file)
-            if next(reader, None) != _header():
-                return {}
-            convert = [_CONVERTERS[kind] for kind, _ in COLUMNS.values()]
-            names = list(COLUMNS)
-            rows = [
-                {name: to(text) for name, to, text in zip(names, convert, line, strict=True)}
-                for line in reader
-            ]
-    except (OSError, ValueError, csv.Error):
+        text = read_regular(path, _LARGEST_CATALOG).decode("utf-8")
+        reader = csv.reader(io.StringIO(text, newline=""))
+        if next(reader, None) != _header():
+            return {}
+        for line in reader:
+            row = {name: to(text) for (name, to), text in zip(convert, line, strict=True)}
+            if is_sound_row(row):
+                rows[row["path"]] = row
+    except (OSError, IntegrityError, ValueError, csv.Error):
         return {}
-    return {row["path"]: row for row in rows}
+    return rows
 
 
 def _header() -> list[str]:

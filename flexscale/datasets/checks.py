@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 
 import numpy as np
@@ -19,6 +18,7 @@ from flexscale.datasets.sheet_checks import (
     check_sheet_samples,
     check_turned_sheet,
 )
+from flexscale.datasets.untrusted import parse_json
 from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 
@@ -73,7 +73,7 @@ def _check_attributes(dataset: xr.Dataset, schema: Schema) -> None:
         raise SchemaError(f"The dataset says it follows {named!r}, not {schema.name!r}.")
     for name in ("flexscale_config", "flexscale_recipe", "flexscale_inputs"):
         try:
-            json.loads(dataset.attrs.get(name, ""))
+            parse_json(dataset.attrs.get(name, ""))
         except (TypeError, ValueError) as error:
             raise SchemaError(f"The attribute {name} of the dataset is not JSON text.") from error
     if len(str(dataset.attrs.get("flexscale_recipe_digest", ""))) < SHORT_DIGEST:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from flexscale.datasets.entry import Entry, read_record
+from flexscale.datasets.entry import Entry
 from flexscale.datasets.files import load_entry
+from flexscale.datasets.record import read_record
 
 if TYPE_CHECKING:
     import xarray as xr

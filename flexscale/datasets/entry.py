@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import json
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.identity import SHORT_DIGEST
+from flexscale.datasets.names import is_name
 from flexscale.datasets.variables import SCALARS
-from flexscale.errors import IntegrityError
 
 DATA_FILE = "data.nc"
-RECORD_FILE = "record.json"
-_KEYS = (
-    *("kind", "schema", "recipe", "recipe_digest", "content_digest", "inputs", "scalars"),
-    *("sizes", "samples", "failed", "code", "environment", "run", "file_sha256", "file_bytes"),
-)
-
+_DIGEST = re.compile(r"[0-9a-f]{64}")
 #: Columns of the catalog: name -> (type, unit). Rows are made of record.json alone.
 COLUMNS: dict[str, tuple[type, str]] = {
     "id": (str, ""),
@@ -84,42 +80,13 @@ class Entry:
         )
 
 
-def read_record(folder: Path) -> dict[str, Any]:
-    """Contents of a folder's record.json.
-
-    Raises
-    ------
-    IntegrityError : missing, unreadable, or of another dataset.
-    """
-    path = folder / RECORD_FILE
-    advice = f"Remove the folder {folder} and run the step again."
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        for key in _KEYS:
-            record[key]
-        row_of_record(record, "")
-    except FileNotFoundError as error:
-        raise IntegrityError(f"{path} is missing. {advice}") from error
-    except OSError as error:
-        raise IntegrityError(f"{path} cannot be read: {error.strerror}.") from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise IntegrityError(f"{path} is damaged. {advice}") from error
-    if record["recipe_digest"][:SHORT_DIGEST] != folder.name:
-        raise IntegrityError(
-            f"{path} belongs to {record['recipe_digest'][:SHORT_DIGEST]}, "
-            f"not to {folder.name}. {advice}"
-        )
-    result: dict[str, Any] = record
-    return result
-
-
 def row_of_record(record: Mapping[str, Any], path: str) -> dict[str, Any]:
     """Catalog row of a record; `path` is the folder seen from its layer, with slashes."""
     recipe, code = record["recipe"], record["code"]
     row: dict[str, Any] = {
         "id": f"{record['kind']}:{record['recipe_digest'][:SHORT_DIGEST]}",
         "kind": record["kind"],
-        "status": "unconverged" if record["failed"] else "complete",
+        "status": _status(record["failed"]),
         "samples": record["samples"],
         "failed": record["failed"],
         "sizes": " ".join(f"{name}={size}" for name, size in record["sizes"].items()),
@@ -133,3 +100,25 @@ def row_of_record(record: Mapping[str, Any], path: str) -> dict[str, Any]:
         "path": path,
     }
     return {name: row.get(name, record["scalars"].get(name)) for name in COLUMNS}
+
+
+def is_sound_row(row: Mapping[str, Any]) -> bool:
+    """Whether a row of catalog.csv can be that of the folder it names; anybody may edit it."""
+    digest = row["recipe_digest"]
+    names = (row["kind"], row["family"], row["pattern"], digest[:SHORT_DIGEST])
+    numbers = [row[name] for name, (kind, _) in COLUMNS.items() if kind is not str]
+    return (
+        all(is_name(name) for name in names)
+        and row["path"] == "/".join(names)
+        and row["id"] == f"{row['kind']}:{digest[:SHORT_DIGEST]}"
+        and all(_DIGEST.fullmatch(text) for text in (digest, row["content_digest"]))
+        and all(row[name] is not None for name in ("samples", "failed", "dirty", "file_bytes"))
+        and 0 <= row["failed"] <= row["samples"]
+        and row["status"] == _status(row["failed"])
+        and all(number is None or math.isfinite(number) for number in numbers)
+        and all(row[name].isprintable() for name, (kind, _) in COLUMNS.items() if kind is str)
+    )
+
+
+def _status(failed: int) -> str:
+    return "unconverged" if failed else "complete"

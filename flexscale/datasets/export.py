@@ -7,8 +7,10 @@ from typing import Any
 
 import xarray as xr
 
-from flexscale.datasets.entry import Entry, read_record
-from flexscale.datasets.files import load_entry
+from flexscale.datasets.entry import Entry
+from flexscale.datasets.files import load_entry, verified_content
+from flexscale.datasets.names import require_name
+from flexscale.datasets.record import read_record
 from flexscale.datasets.staging import write_atomically
 from flexscale.errors import ConfigError, suggest
 
@@ -51,7 +53,10 @@ def _variable_text(name: str, array: xr.DataArray) -> str:
 
 def file_stem(entry: Entry) -> str:
     """Name of a file made of a dataset, without ending: sheet_IH64_chevron_bfc5e4a27ae8."""
-    return "_".join([entry.kind, entry.row["family"], entry.row["pattern"], entry.folder.name])
+    parts = (entry.kind, entry.row["family"], entry.row["pattern"], entry.folder.name)
+    return "_".join(
+        require_name(part, "dataset's kind, family, pattern or folder") for part in parts
+    )
 
 
 def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Path:
@@ -75,8 +80,8 @@ def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Pa
     dataset = load_entry(entry)
     path = folder / f"{file_stem(entry)}.{file_format}"
     if file_format == "nc":
-        source = entry.folder / "data.nc"
-        write_atomically(path, lambda file: file.write_bytes(source.read_bytes()))
+        content = verified_content(entry.folder, read_record(entry.folder))
+        write_atomically(path, lambda file: file.write_bytes(content))
         return path
     if entry.kind not in ("sweep", "tangent"):
         raise ConfigError(f"A {entry.kind} does not fit into one table: export it as nc.")

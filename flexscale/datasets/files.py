@@ -8,21 +8,35 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
 import flexscale.datasets.accessor  # noqa: F401  (registers `dataset.fs`)
 from flexscale.datasets.checks import check_dataset
-from flexscale.datasets.entry import DATA_FILE, RECORD_FILE, Entry, read_record, row_of_record
+from flexscale.datasets.containers import FOREIGN, require_self_contained
+from flexscale.datasets.entry import DATA_FILE, Entry, row_of_record
 from flexscale.datasets.identity import SHORT_DIGEST, content_digest
+from flexscale.datasets.labels import require_same_labels
+from flexscale.datasets.record import RECORD_FILE, read_record
 from flexscale.datasets.staging import sync
+from flexscale.datasets.untrusted import read_regular
 from flexscale.errors import IntegrityError
+
+LARGEST_FILE = 4 * 2**30  # bytes
 
 
 def load_entry(entry: Entry) -> xr.Dataset:
-    """The dataset of an entry in memory, its file verified; IntegrityError when it is not."""
-    verify_file(entry.folder, read_record(entry.folder))
-    return read_netcdf(entry.folder / DATA_FILE)
+    """The dataset of an entry in memory, its file verified.
+
+    Raises
+    ------
+    DatasetError : it is damaged, reaches outside of its file, or is not what its record says.
+    """
+    record = read_record(entry.folder)
+    dataset = read_netcdf(entry.folder / DATA_FILE, verified_content(entry.folder, record))
+    require_same_labels(dataset, record, entry.folder)
+    return dataset
 
 
 def entry_of_folder(folder: Path, layer: Path) -> Entry:
@@ -31,25 +45,24 @@ def entry_of_folder(folder: Path, layer: Path) -> Entry:
     return Entry.from_row(row_of_record(read_record(folder), path), layer)
 
 
-def verify_file(folder: Path, record: Mapping[str, Any]) -> None:
-    """Compare the bytes of data.nc with their recorded sha256.
+def verified_content(folder: Path, record: Mapping[str, Any]) -> bytes:
+    """Bytes of data.nc, if they have their recorded sha256.
 
-    Done before the netCDF library sees the file: damaged HDF5 can crash the process.
+    Compared before the netCDF library sees them: damaged HDF5 can crash the process.
     """
     path = folder / DATA_FILE
     advice = f"Remove the folder {folder} and run the step again."
     try:
-        with path.open("rb") as file:
-            found = hashlib.file_digest(file, "sha256").hexdigest()
+        content = read_regular(path, LARGEST_FILE)
     except FileNotFoundError as error:
         raise IntegrityError(f"{path} is missing. {advice}") from error
-    except OSError as error:
-        raise IntegrityError(f"{path} cannot be read: {error.strerror}.") from error
+    found = hashlib.sha256(content).hexdigest()
     if found != record["file_sha256"]:
         raise IntegrityError(
             f"{path} is damaged: its sha256 starts with {found[:SHORT_DIGEST]}, "
-            f"recorded is {str(record['file_sha256'])[:SHORT_DIGEST]}. {advice}"
+            f"recorded is {record['file_sha256'][:SHORT_DIGEST]}. {advice}"
         )
+    return content
 
 
 def write_payload(folder: Path, dataset: xr.Dataset, kind: str, facts: dict[str, Any]) -> None:
@@ -64,27 +77,35 @@ def write_payload(folder: Path, dataset: xr.Dataset, kind: str, facts: dict[str,
         dataset.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
     except RuntimeError as error:  # how the netCDF library reports a full disk
         raise OSError(str(error)) from error
-    stored = read_netcdf(path)
+    content = read_regular(path, LARGEST_FILE)
+    stored = read_netcdf(path, content)
     check_dataset(stored, kind)
     if content_digest(stored) != facts["content_digest"] or not stored.identical(dataset):
         raise IntegrityError(
             f"The {kind} dataset does not survive writing: {first_difference(dataset, stored)}."
         )
     sync(path)
-    with path.open("rb") as file:
-        facts["file_sha256"] = hashlib.file_digest(file, "sha256").hexdigest()
-    facts["file_bytes"] = path.stat().st_size
+    facts["file_sha256"] = hashlib.sha256(content).hexdigest()
+    facts["file_bytes"] = len(content)
     record = folder / RECORD_FILE
     record.write_text(json.dumps(facts, indent=1, sort_keys=True) + "\n", encoding="utf-8")
     sync(record)
     sync(folder)
 
 
-def read_netcdf(path: Path) -> xr.Dataset:
+def read_netcdf(path: Path, content: bytes) -> xr.Dataset:
+    """Dataset in `content`, the bytes of the file `path`; no file is opened for it.
+
+    Raises
+    ------
+    IntegrityError : it is not readable, or not complete in itself.
+    """
+    require_self_contained(content, path)
     try:
-        return xr.load_dataset(path, engine="netcdf4")
-    except (OSError, ValueError, RuntimeError) as error:
-        raise IntegrityError(f"{path} is not readable as netCDF: {error}.") from error
+        file = netCDF4.Dataset(path.name, memory=content)
+        return xr.load_dataset(xr.backends.NetCDF4DataStore(file))
+    except FOREIGN as error:
+        raise IntegrityError(f"{path} is not readable as netCDF: {error!s:.200}.") from error
 
 
 def first_difference(new: xr.Dataset, old: xr.Dataset) -> str:

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.catalog import read_catalog, results_folder, update_catalog
-from flexscale.datasets.entry import LOCAL, REFERENCE, Entry, read_record
+from flexscale.datasets.entry import LOCAL, REFERENCE, Entry
+from flexscale.datasets.record import read_record
 from flexscale.datasets.selection import Between, Selection, between, by_short_id
 
 if TYPE_CHECKING:

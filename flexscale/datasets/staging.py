@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import io
 import json
+import logging
 import os
 import shutil
+import struct
 import uuid
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +18,18 @@ from urllib.parse import quote
 
 import numpy as np
 
-from flexscale.errors import BadInputError
+from flexscale.datasets.untrusted import parse_json, read_regular
+from flexscale.errors import BadInputError, IntegrityError
+
+logger = logging.getLogger(__name__)
+
+_LARGEST_SAMPLE = 2**30  # bytes
+#: What zip files, numpy's arrays and JSON raise when they are not what they should be.
+_DAMAGE = (
+    *(IntegrityError, OSError, RuntimeError, ValueError, TypeError, AttributeError, LookupError),
+    *(EOFError, MemoryError, ArithmeticError, SyntaxError, zipfile.BadZipFile, zlib.error),
+    struct.error,
+)
 
 
 class FileCheckpoint:
@@ -111,12 +125,26 @@ def _join(value: Any, arrays: Any) -> Any:
 def _read_sample(path: Path) -> dict[str, Any] | None:
     """Sample in a file, None when the file is missing or damaged."""
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            structure = json.loads(stored["structure"].tobytes().decode())
-            sample: dict[str, Any] = _join(structure, stored)
-            return sample
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return _unpack(read_regular(path, _LARGEST_SAMPLE))
+    except FileNotFoundError:
         return None
+    except _DAMAGE as error:
+        logger.warning("%s is damaged (%.100s): it and what follows are computed anew", path, error)
+        return None
+
+
+def _unpack(data: bytes) -> dict[str, Any]:
+    """Inverse of `_pack`; nothing is unpickled, and nothing grows beyond the size of its file."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        for member in archive.infolist():
+            if member.compress_type != zipfile.ZIP_STORED or member.file_size > len(data):
+                raise ValueError("it holds compressed data, which are never written")
+    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+        structure = parse_json(stored["structure"].tobytes(), finite=False)
+        sample = _join(structure, stored)
+    if not isinstance(sample, dict):
+        raise ValueError("it holds no sample")
+    return sample
 
 
 def write_atomically(path: Path, write: Callable[[Path], object]) -> None:

@@ -5,38 +5,34 @@ from __future__ import annotations
 import errno
 import json
 import os
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from flexscale.datasets.build import global_attributes
 from flexscale.datasets.catalog import results_folder, update_catalog
 from flexscale.datasets.checks import check_dataset
-from flexscale.datasets.entry import RECORD_FILE, Entry, read_record
+from flexscale.datasets.entry import LOCAL, REFERENCE, Entry
 from flexscale.datasets.files import (
     entry_of_folder,
     first_difference,
     load_entry,
-    verify_file,
+    verified_content,
     write_payload,
 )
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe, content_digest, plain
+from flexscale.datasets.labels import labels_of
 from flexscale.datasets.locks import STAGING, working_folder
+from flexscale.datasets.names import require_name
 from flexscale.datasets.provenance import environment
-from flexscale.datasets.schema import SCHEMAS, schema_of
+from flexscale.datasets.record import RECORD_FILE, read_record
+from flexscale.datasets.schema import schema_of
 from flexscale.datasets.staging import FileCheckpoint, sync
-from flexscale.datasets.variables import SCALARS, statuses
-from flexscale.errors import DatasetError, NonReproducibleError, SchemaError
-from flexscale.status import SolveStatus
+from flexscale.errors import DatasetError, NonReproducibleError
 
 __all__ = ["Entry", "Store"]
-
-#: A name that is one folder on every disk.
-_FOLDER_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]*")
 
 
 class Store:
@@ -53,8 +49,8 @@ class Store:
 
     def __init__(self, root: str | Path = "results") -> None:
         self.root = results_folder(root)
-        self.local = self.root / "local"
-        self.reference = self.root / "reference"
+        self.local = self.root / LOCAL
+        self.reference = self.root / REFERENCE
 
     def lookup(self, kind: str, recipe: Recipe, inputs: Sequence[Entry] = ()) -> Entry | None:
         """The verified dataset of this recipe (local before reference), or None.
@@ -71,7 +67,7 @@ class Store:
             for folder in sorted(layer.glob(f"{kind}/*/*/{digest[:SHORT_DIGEST]}")):
                 entry = entry_of_folder(folder, layer)
                 if entry.recipe_digest == digest:
-                    verify_file(entry.folder, read_record(folder))
+                    verified_content(entry.folder, read_record(folder))
                     # Samples are left when a kill came between publishing and clearing them.
                     self.checkpoint(recipe, inputs).clear()
                     return entry
@@ -113,7 +109,7 @@ class Store:
         """
         complete = _with_attributes(dataset, kind, recipe, inputs)
         check_dataset(complete, kind)
-        facts = _record_of(complete, kind, recipe, inputs, record or {})
+        facts = _record_of(complete, inputs, record or {})
         path = _place(facts)
         target = self.local / path
         try:
@@ -178,29 +174,11 @@ def _with_attributes(
 
 
 def _record_of(
-    dataset: xr.Dataset,
-    kind: str,
-    recipe: Recipe,
-    inputs: Sequence[Entry],
-    run: Mapping[str, Any],
+    dataset: xr.Dataset, inputs: Sequence[Entry], run: Mapping[str, Any]
 ) -> dict[str, Any]:
-    ends = [status.values for status in statuses(dataset).values()]
-    return {
-        "kind": kind,
-        "schema": SCHEMAS[kind].name,
-        "recipe": recipe.to_dict(),
-        "recipe_digest": _digest(recipe, inputs),
+    return labels_of(dataset) | {
         "content_digest": content_digest(dataset),
         "inputs": [{"id": entry.id, "content_digest": entry.content_digest} for entry in inputs],
-        "scalars": {
-            item.name: dataset[item.name].item() for item in SCALARS if item.name in dataset.coords
-        },
-        "sizes": {str(name): int(size) for name, size in dataset.sizes.items()},
-        "samples": sum(end.size for end in ends),
-        "failed": sum(int(np.count_nonzero(end != SolveStatus.converged)) for end in ends),
-        "code": {
-            name: dataset.attrs[f"flexscale_{name}"] for name in ("version", "commit", "dirty")
-        },
         "environment": environment(),
         "run": plain(run, "record", null_for_nan=True),
     }
@@ -208,16 +186,9 @@ def _record_of(
 
 def _place(facts: Mapping[str, Any]) -> str:
     """Path kind/family/pattern/digest below the layer."""
-    names = [facts["kind"]]
-    for key in ("family", "pattern"):
-        name = str(facts["scalars"][key])
-        if not _FOLDER_NAME.fullmatch(name):
-            raise SchemaError(
-                f"The {key} is named {name!r}: use letters, digits, '.', '_', '+' and '-' "
-                "only, since it becomes a folder."
-            )
-        names.append(name)
-    return "/".join([*names, facts["recipe_digest"][:SHORT_DIGEST]])
+    scalars = facts["scalars"]
+    names = [require_name(scalars[key], key) for key in ("family", "pattern")]
+    return "/".join([facts["kind"], *names, facts["recipe_digest"][:SHORT_DIGEST]])
 
 
 def _require_equal(dataset: xr.Dataset, digest: str, existing: Entry) -> None:

@@ -239,10 +239,31 @@ def test_reindex_repairs_an_edited_catalog(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.publish(sweep(), "sweep", recipe())
     path = store.local / CATALOG_FILE
-    path.write_text(path.read_text().replace("hexagon,complete", "octagon,complete"))
+    path.write_text(path.read_text().replace("complete,18,", "complete,19,"))
     registry = open_registry(tmp_path)
-    assert len(registry.find(pattern="octagon")) == 1
-    assert len(registry.reindex().find(pattern="hexagon")) == 1
+    assert registry.find(kind="sweep").one().row["samples"] == 19
+    assert registry.reindex().find(kind="sweep").one().row["samples"] == 18
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("hexagon,complete", "octagon,complete"),
+        ("hexagon,complete", "../../x,complete"),
+        ("complete,18,0", "complete,18,-1"),
+        ("complete,18,0", "complete,-1,0"),
+        ("complete,18,0", "complete,18,19"),
+        (",0.4,", ",nan,"),
+        (",sweep,1,", ",\x1b[2J,1,"),
+    ],
+)
+def test_rows_that_cannot_be_true_are_not_believed(tmp_path: Path, old: str, new: str) -> None:
+    store = Store(tmp_path)
+    store.publish(sweep(), "sweep", recipe())
+    before, path = rows(tmp_path), store.local / CATALOG_FILE
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    assert rows(tmp_path) == before
 
 
 N_ROWS = 10_000

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flexscale.datasets.catalog import list_folders
+from flexscale.datasets.catalog import linked_folders, list_folders
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.entry import Entry
 from flexscale.datasets.files import entry_of_folder, load_entry
@@ -45,6 +45,10 @@ def check_results(root: str | Path = "results") -> Iterator[Finding]:
                 yield Finding("problem", path, str(error))
                 continue
             yield from _findings(entry, record, published)
+        for path in linked_folders(layer):
+            yield Finding(
+                "problem", path, f"{layer / path} is a symbolic link: put the folder itself there."
+            )
         yield from _unfinished(layer / STAGING)
 
 

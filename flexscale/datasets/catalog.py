@@ -96,6 +96,24 @@ def list_folders(layer: Path) -> list[str]:
     return sorted(path for path in found if len(path.rsplit("/", 1)[1]) == SHORT_DIGEST)
 
 
+def linked_folders(layer: Path) -> list[str]:
+    """Paths of the symbolic links that stand where folders of datasets, or their parents, would."""
+    found, parents = [], [""]
+    for depth in range(4):
+        below = []
+        for parent in parents:
+            names = sorted(path.name for path in (layer / parent).glob("*") if path.is_symlink())
+            found += [f"{parent}{name}" for name in names if depth or name in SCHEMAS]
+            below += [f"{parent}{name}/" for name in _subfolders(layer / parent)]
+        parents = below if depth else [path for path in below if path[:-1] in SCHEMAS]
+    return found
+
+
+def lies_within(folder: Path, layer: Path) -> bool:
+    """Whether no symbolic link leads from the layer to the folder."""
+    return folder.resolve() == layer.resolve() / folder.relative_to(layer)
+
+
 def _subfolders(folder: Path) -> list[str]:
     try:
         with os.scandir(folder) as items:

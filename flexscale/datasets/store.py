@@ -12,7 +12,7 @@ from typing import Any
 import xarray as xr
 
 from flexscale.datasets.build import global_attributes
-from flexscale.datasets.catalog import results_folder, update_catalog
+from flexscale.datasets.catalog import lies_within, results_folder, update_catalog
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.entry import LOCAL, REFERENCE, Entry
 from flexscale.datasets.files import (
@@ -30,7 +30,7 @@ from flexscale.datasets.provenance import environment
 from flexscale.datasets.record import RECORD_FILE, read_record
 from flexscale.datasets.schema import schema_of
 from flexscale.datasets.staging import FileCheckpoint, sync
-from flexscale.errors import DatasetError, NonReproducibleError
+from flexscale.errors import DatasetError, IntegrityError, NonReproducibleError
 
 __all__ = ["Entry", "Store"]
 
@@ -65,6 +65,8 @@ class Store:
         digest = _digest(recipe, inputs)
         for layer in (self.local, self.reference):
             for folder in sorted(layer.glob(f"{kind}/*/*/{digest[:SHORT_DIGEST]}")):
+                if not lies_within(folder, layer):
+                    continue
                 entry = entry_of_folder(folder, layer)
                 if entry.recipe_digest == digest:
                     verified_content(entry.folder, read_record(folder))
@@ -131,6 +133,11 @@ class Store:
             payload = work / target.name
             payload.mkdir()
             write_payload(payload, dataset, kind, facts)
+            if not lies_within(target.parent, self.local):
+                raise IntegrityError(
+                    f"{target.parent} or a folder above it is a symbolic link, which may lead "
+                    "anywhere: put the folder itself there."
+                )
             target.parent.mkdir(parents=True, exist_ok=True)
             try:
                 os.rename(payload, target)

@@ -16,6 +16,7 @@ import shapely
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import TiledCell, build_cell, polygon_area
 from flexscale.patterns.outlines import inset_corners
+from flexscale.patterns.overlay import intersection
 from flexscale.patterns.pattern import Pattern
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import BoolArray, FloatArray
@@ -24,6 +25,7 @@ from flexscale.units import require_finite, require_positive
 SLIVER = 0.05  # of a tile's area: smaller pieces carry no scale
 SHORTEST = 0.05  # of a gap: a cut that leaves shorter edges or thinner pieces is moved
 TRIES, ENOUGH = 25, 5  # places of the pattern on the sheet that are tried, and that may be used
+MOST_TRIES = 8 * TRIES  # where none of the first ones suits
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ def clip_pattern(
     """Lay a pattern on a rectangle and cut it at the border.
 
     The pattern is moved, at most by half a cell, until the border cuts off nothing too fine to
-    mesh.
+    mesh, and what meets across the ends fits.
 
     Parameters
     ----------
@@ -69,7 +71,7 @@ def clip_pattern(
 
     Raises
     ------
-    PatternError : the sheet is smaller than one cell, or no place suits.
+    PatternError : the sheet is smaller than one cell, or no place of the pattern suits.
     """
     length = require_positive(length, "sheet length", "mm")
     width = require_positive(width, "sheet width", "mm")
@@ -79,6 +81,7 @@ def clip_pattern(
             f"A sheet of {length:g} x {width:g} mm is smaller than one cell of the pattern, "
             f"{pattern.cell_area:.4g} mm2: make it larger, or the tiles smaller."
         )
+    require_room(min(length, width), pattern)
     center, cell = _best_place(pattern, length, width, turn)
     tiles = list(cell.tiles)
     if glued:
@@ -93,6 +96,15 @@ def clip_pattern(
         length, width, float(direction), center, prototiles, copies, at_near | at_far, at_far,
         bare, glued,
     )  # fmt: skip
+
+
+def require_room(width: float, pattern: Pattern) -> None:
+    """Refuse a width, mm, that leaves no scale between two sides."""
+    if width <= pattern.gap:
+        raise PatternError(
+            f"A sheet of {width:g} mm is no wider than the gap of {pattern.gap:g} mm, half of "
+            "which stays free at each side: make it wider."
+        )
 
 
 def scales_and_bare(
@@ -120,18 +132,22 @@ def _best_place(
 ) -> tuple[FloatArray, TiledCell]:
     """Point of the pattern in the middle of the sheet, and the pieces.
 
-    Of some places where the border cuts off nothing too fine, the one with the fewest bare pieces
-    at the ends, and in all.
+    Of some places that suit, the one with the fewest bare pieces at the ends, and in all.
     """
     found: list[tuple[tuple[int, int], FloatArray, TiledCell]] = []
-    for attempt in range(TRIES):
+    refused: list[PatternError] = []
+    for attempt in range(MOST_TRIES):
+        if found and attempt == TRIES:
+            break
         # A Kronecker sequence: places far from all earlier ones.
         share = (attempt * np.array([0.7548776662, 0.5698402910]) + 0.5) % 1.0 - 0.5
         center = (share if attempt else np.zeros(2)) @ pattern.lattice
         pieces = _cut(pattern, length, width, turn, center)
-        if min(finest(piece) for piece in pieces) <= SHORTEST * pattern.gap:
+        try:
+            cell = cell_of_pieces(pieces, length, width, pattern)
+        except PatternError as error:
+            refused.append(error)
             continue
-        cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
         bare = [tile for tile in cell.tiles if not _carries_scale(tile, pattern)]
         moved = [_at_near_end(tile, length, cell.tolerance) for tile in bare]
         at_end = sum(touches_end(tile, cell.tolerance) for tile in moved)
@@ -139,12 +155,42 @@ def _best_place(
         if not bare or len(found) == ENOUGH:
             break
     if not found:
-        raise PatternError(
-            f"Wherever the pattern lies, a border of {length:g} x {width:g} mm cuts off pieces "
-            f"finer than {SHORTEST * pattern.gap:.3g} mm: change a side by a few mm."
-        )
+        raise no_place(refused, f"A sheet of {length:g} x {width:g} mm", "a side")
     _, center, cell = min(found, key=lambda place: place[0])
     return center, cell
+
+
+def cell_of_pieces(
+    pieces: list[FloatArray], length: float, width: float, pattern: Pattern
+) -> TiledCell:
+    """Pieces (n_i, 2) that cover a rectangle, as a cell whose opposite sides meet.
+
+    Raises
+    ------
+    PatternError : the place of the pattern does not suit: a piece is too fine to mesh, corners on
+        opposite sides nearly meet, or no piece carries a scale.
+    """
+    least = SHORTEST * pattern.gap
+    thin = min(finest(piece) for piece in pieces)
+    if thin <= least:
+        raise PatternError(
+            f"The border leaves a piece or an edge of {thin:.3g} mm, finer than {least:.3g} mm."
+        )
+    cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
+    if not any(_carries_scale(tile, pattern) for tile in cell.tiles):
+        raise PatternError(
+            f"The border leaves no piece with a scale: all are below {SLIVER:.0%} of a tile, or "
+            f"not wide enough for a gap of {pattern.gap:g} mm."
+        )
+    return cell
+
+
+def no_place(refused: list[PatternError], what: str, remedy: str) -> PatternError:
+    """The error when no place of the pattern suits: how many were tried, and why not the first."""
+    return PatternError(
+        f"{what} cannot be cut from the pattern at any of the {len(refused)} places that were "
+        f"tried. At the first: {refused[0]} Change {remedy} by a few mm."
+    )
 
 
 def _at_near_end(polygon: FloatArray, length: float, tolerance: float) -> FloatArray:
@@ -169,8 +215,9 @@ def pieces_within(
 ) -> list[FloatArray]:
     """Pieces (n_i, 2), counterclockwise, of tiles within a border, of more than an area [mm2]."""
     pieces = []
-    for tile in tiles:
-        for part in shapely.get_parts(shapely.intersection(shapely.Polygon(tile), border)):
+    cut = intersection(np.array([shapely.Polygon(tile) for tile in tiles]), border)
+    for each in cut:
+        for part in shapely.get_parts(each):
             if part.geom_type == "Polygon" and part.area > least:
                 pieces.append(np.array(shapely.orient_polygons(part).exterior.coords)[:-1])
     return pieces

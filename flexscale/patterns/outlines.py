@@ -13,6 +13,7 @@ import shapely
 
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import IntArray, polygon_area, turning_angles
+from flexscale.patterns.overlay import difference, symmetric_difference, union
 from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 MITRE_LIMIT = 20.0  # longest mitre over half the gap; sharper notches (below 6°) are cut off
@@ -115,7 +116,7 @@ def mitre_points(polygon: FloatArray, inset: float) -> FloatArray | None:
     if (lengths <= SHORTEST * inset).any() or not shape.is_valid:
         return None
     clipped = _inset(polygon, inset)
-    same = shapely.symmetric_difference(shape, clipped).area < 1e-9 * shape.area
+    same = symmetric_difference(shape, clipped).area < 1e-9 * shape.area
     return points if same else None
 
 
@@ -170,8 +171,8 @@ def _inset(polygon: FloatArray, inset: float) -> shapely.Geometry:
         )
     )
     # As hulls, kites are valid also where their two tips coincide but for rounding.
-    removed = shapely.union_all(np.concatenate([strips, shapely.convex_hull(kites)]))
-    left = shapely.get_parts(shapely.difference(shapely.Polygon(polygon), removed))
+    removed = union(np.concatenate([strips, shapely.convex_hull(kites)]))
+    left = shapely.get_parts(difference(shapely.Polygon(polygon), removed))
     return shapely.union_all(left[shapely.area(left) > 1e-9 * shapely.Polygon(polygon).area])
 
 

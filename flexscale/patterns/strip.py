@@ -7,13 +7,13 @@ import shapely
 from numpy.typing import ArrayLike
 
 from flexscale.errors import PatternError
-from flexscale.patterns.cell import build_cell
 from flexscale.patterns.clipped import (
-    SHORTEST,
-    TRIES,
+    MOST_TRIES,
     SheetTiles,
-    finest,
+    cell_of_pieces,
+    no_place,
     pieces_within,
+    require_room,
     scales_and_bare,
     tiles_near,
 )
@@ -50,6 +50,7 @@ def clip_strip(
     PatternError : no lattice vector lies along the strip, or no place suits.
     """
     width = require_positive(width, "strip width", "mm")
+    require_room(width, pattern)
     turn = np.radians(require_finite(direction, "direction", "degree"))
     cosine, sine = np.cos(turn), np.sin(turn)
     rotation = np.array([[cosine, -sine], [sine, cosine]])
@@ -60,20 +61,19 @@ def clip_strip(
     period = _period(pattern, pattern.lattice @ rotation, direction)
     length = int(periods) * period
     # A Kronecker sequence, places far from all earlier ones, over the spacing of lattice rows.
-    shares = (np.arange(TRIES) * 0.7548776662 + 0.5) % 1.0 - 0.5
+    shares = (np.arange(MOST_TRIES) * 0.7548776662 + 0.5) % 1.0 - 0.5
     rows = pattern.cell_area / period * np.array([-sine, cosine])
+    refused: list[PatternError] = []
     for place in shares[:, None] * rows if center is None else [_checked(center, pattern)]:
         pieces = _cut(pattern, rotation, place, length, width)
-        if min(finest(piece) for piece in pieces) > SHORTEST * pattern.gap:
+        try:
+            cell = cell_of_pieces(pieces, length, width, pattern)
             break
+        except PatternError as error:
+            refused.append(error)
     else:
-        where = "wherever the pattern lies" if center is None else "with the pattern lying there"
-        raise PatternError(
-            f"The sides of a strip of {width:g} mm along {direction:g} degree cut off pieces finer "
-            f"than {SHORTEST * pattern.gap:.3g} mm, {where}: change the width by a few mm, or the "
-            "center."
-        )
-    cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
+        what = f"A strip of {width:g} mm along {direction:g} degree"
+        raise no_place(refused, what, "the width" if center is None else "the center or the width")
     with_scales, bare = scales_and_bare(cell, pattern)
     prototiles, copies = find_prototiles(with_scales, pattern.gap)
     no_ends = np.zeros(len(copies), dtype=bool)

@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "flexscale"
 FLOORS = {
     "errors": 0,
     "units": 0,
+    "checks": 0,
     "status": 0,
     "simplices": 0,
     "kernel_cache": 0,
@@ -34,9 +35,9 @@ FLOORS = {
 }
 #: The side tower: what each of its rooms may use. The floors above 6 may use all of it.
 SIDE = {
-    "datasets": {"errors", "units", "status"},
-    "findings": {"errors", "units", "status", "datasets"},
-    "plotting": {"errors", "units", "status", "datasets"},
+    "datasets": {"errors", "units", "checks", "status"},
+    "findings": {"errors", "units", "checks", "status", "datasets"},
+    "plotting": {"errors", "units", "checks", "status", "datasets"},
 }
 #: Libraries that few rooms or files may import; the workflow engine only ever runs as a program.
 LIBRARY_HOMES: dict[str, set[str]] = {

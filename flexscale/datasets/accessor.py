@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from flexscale.checks import checked, number, text
+from flexscale.datasets.variables import ONE_SIDE
 from flexscale.errors import MissingDataError, UnknownNameError, suggest
 
 
@@ -15,6 +17,12 @@ class FlexScaleAccessor:
     def __init__(self, dataset: xr.Dataset) -> None:
         self._dataset = dataset
 
+    @checked(
+        name=text,
+        side=ONE_SIDE,
+        direction=number("degree"),
+        curvature=number("mm-1"),
+    )
     def sample(
         self,
         name: str,

@@ -12,12 +12,15 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from flexscale.checks import DATASET, checked
 from flexscale.datasets.fit_values import FloatArray
+from flexscale.datasets.given import require_variables
 from flexscale.errors import MissingDataError
 
 BEGUN, DONE = 0.1, 0.9  # shares of the gain in slope
 _LEAST_GAIN = 0.1  # of the slope before contact; less is no stiffening by contact
 
+_NEEDED = ("moment", "min_gap", "contact_pairs", "side", "direction", "curvature")
 _VARIABLES = {
     "free_until": ("mm-1", "largest sampled curvature before scales touch"),
     "touches_from": ("mm-1", "smallest sampled curvature at which scales touch"),
@@ -28,6 +31,7 @@ _VARIABLES = {
 }
 
 
+@checked(sweep=DATASET)
 def contact_onset(sweep: xr.Dataset) -> xr.Dataset:
     """When and how gradually scales touch, per side and direction.
 
@@ -47,6 +51,7 @@ def contact_onset(sweep: xr.Dataset) -> xr.Dataset:
     ------
     MissingDataError : the sweep was made without contact.
     """
+    require_variables(sweep, _NEEDED, "The onset of contact")
     # Without contact there are no distances, and the counts of pairs are zeros.
     solved = sweep["moment"].notnull()
     if solved.any() and sweep["min_gap"].isnull().all():

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexscale import checks
+from flexscale.checks import checked
 from flexscale.datasets.catalog import read_catalog, results_folder, update_catalog
 from flexscale.datasets.entry import LOCAL, REFERENCE, Entry
 from flexscale.datasets.record import read_record
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Between", "Entry", "Registry", "Selection", "between", "open_registry"]
 
 
+@checked(root=checks.path)
 def open_registry(root: str | Path = "results") -> Registry:
     """The datasets below `root`, as they are now; a missing or empty folder is fine.
 
@@ -89,31 +92,32 @@ class Registry:
 
     def get(self, identifier: str) -> Entry:
         """Entry by id; the digest may be shortened while unique ("sweep:3f9c")."""
-        return by_short_id(self._entries, identifier)
+        return by_short_id(self._entries, checks.text(identifier, "identifier"))
+
+    def _entry(self, dataset: str | Entry) -> Entry:
+        return dataset if isinstance(dataset, Entry) else self.get(dataset)
 
     def load(self, dataset: str | Entry) -> xr.Dataset:
         """Dataset by id or entry, verified, in memory; no file stays open."""
         from flexscale.datasets.files import load_entry
 
-        return load_entry(self.get(dataset) if isinstance(dataset, str) else dataset)
+        return load_entry(self._entry(dataset))
 
     def record(self, dataset: str | Entry) -> dict[str, Any]:
         """Contents of record.json: recipe, digests, inputs, code, environment and "run"."""
-        entry = self.get(dataset) if isinstance(dataset, str) else dataset
-        return read_record(entry.folder)
+        return read_record(self._entry(dataset).folder)
 
     def lineage(self, dataset: str | Entry) -> pd.DataFrame:
         """The dataset and all it was made from, with steps, versions and commits."""
         from flexscale.datasets.compare import lineage
 
-        entry = self.get(dataset) if isinstance(dataset, str) else dataset
-        return lineage(entry, {item.id: item for item in self._entries})
+        return lineage(self._entry(dataset), {item.id: item for item in self._entries})
 
-    def diff(self, first: str, second: str) -> pd.DataFrame:
+    def diff(self, first: str | Entry, second: str | Entry) -> pd.DataFrame:
         """Recipe keys and variables in which two datasets differ, and by how much."""
         from flexscale.datasets.compare import difference
 
-        return difference(self.get(first), self.get(second))
+        return difference(self._entry(first), self._entry(second))
 
     def reindex(self) -> Registry:
         """Rebuild local/catalog.csv from the folders and return the registry opened anew."""

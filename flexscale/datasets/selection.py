@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
+from flexscale.checks import checked, text
 from flexscale.datasets.entry import COLUMNS, LOCAL, PROPERTIES, REFERENCE, Entry
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.errors import MissingDataError, UnitRangeError, UnknownNameError, suggest
@@ -29,6 +30,7 @@ class Between:
     unit: str
 
 
+@checked(unit=text)
 def between(low: float, high: float, unit: str) -> Between:
     """Range for `find`: ``gap=between(0.3, 0.5, "mm")``, both ends included."""
     low = require_finite(low, "lower end of a range", unit)

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexscale.checks import require_choice
 from flexscale.datasets.entry import Entry
 from flexscale.datasets.files import load_entry
 from flexscale.datasets.variables import SCALARS
-from flexscale.errors import MissingDataError, SchemaError, UnknownNameError, suggest
+from flexscale.errors import MissingDataError, SchemaError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,10 +39,7 @@ def stack(entries: Sequence[Entry], along: str) -> xr.Dataset:
     import xarray as xr
 
     known = [item.name for item in SCALARS]
-    if along not in known:
-        raise UnknownNameError(
-            f"Datasets cannot be stacked along {along!r}. {suggest(along, known)}"
-        )
+    require_choice(along, "property to stack datasets along", known)
     if not entries:
         raise MissingDataError("There is no dataset to stack; loosen the criteria.")
     datasets = [load_entry(entry) for entry in entries]

@@ -6,12 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from flexscale.checks import choice, choices
 from flexscale.status import FLAG_MEANINGS, SolveStatus
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SIDES = ("closing", "opening")
+ONE_SIDE = choice("side", SIDES)
+SOME_SIDES = choices("side", SIDES)
 COMPONENTS = ("xx", "yy", "xy")
 #: Energies of a curvature tensor by name; a fit is for one of them.
 VARIANTS = ("tangent", "paper")

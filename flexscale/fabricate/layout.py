@@ -10,10 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from flexscale.checks import checked, choice, number, point
 from flexscale.errors import FabricationError
 from flexscale.fabricate.walls import GRID
 from flexscale.patterns import Pattern
-from flexscale.units import require_finite
 
 FloatArray = NDArray[np.float64]
 Border = Literal["cut", "whole"]
@@ -22,6 +22,12 @@ MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 
 SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing else is said
 
 
+@checked(
+    direction=number("degree"),
+    center=point("mm"),
+    border=choice("border", ("cut", "whole")),
+    smallest_area=number("mm²", 0.0, 1e8),
+)
 @dataclass(frozen=True)
 class Layout:
     """How the pattern lies on the sheet, and what happens at the border.
@@ -38,17 +44,6 @@ class Layout:
     center: tuple[float, float] = (0.0, 0.0)
     border: Border = "cut"
     smallest_area: float | None = None
-
-    def __post_init__(self) -> None:
-        require_finite(self.direction, "direction", "degree")
-        for value in self.center:
-            require_finite(value, "center", "mm")
-        if self.smallest_area is not None:
-            area = require_finite(self.smallest_area, "smallest area", "mm²")
-            if area < 0.0:
-                raise FabricationError(f"The smallest area is {area:g} mm²: give 0 or more.")
-        if self.border not in ("cut", "whole"):
-            raise FabricationError(f"The border is {self.border!r}: choose 'cut' or 'whole'.")
 
     def place(self, points: FloatArray) -> FloatArray:
         """Points (n, 2) of the pattern in coordinates of the sheet, mm."""

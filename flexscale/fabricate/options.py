@@ -4,13 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexscale.checks import Check, checked, length, number
 from flexscale.errors import FabricationError
 from flexscale.patterns import Pattern
-from flexscale.units import require_finite, require_positive
+from flexscale.units import LENGTHS
+
+
+def _density(name: str) -> Check:
+    return number("g/cm³", 1e-3, 100.0, above=0.0, name=name)
+
 
 ROUNDING = 1e-9  # mm: sizes are compared as they were typed
 
 
+@checked(
+    layer_height=length(),
+    nozzle=length(),
+    smallest_wall=length(),
+    scale_density=_density("density of the scales"),
+    substrate_density=_density("density of the substrate"),
+)
 @dataclass(frozen=True)
 class Printer:
     """Limits of the printer, and densities of what it prints.
@@ -30,13 +43,9 @@ class Printer:
     substrate_density: float = 1.19
 
     def __post_init__(self) -> None:
-        require_positive(self.layer_height, "layer height", "mm")
-        require_positive(self.nozzle, "nozzle", "mm")
-        require_positive(self.scale_density, "density of the scales", "g/cm³")
-        require_positive(self.substrate_density, "density of the substrate", "g/cm³")
         if self.smallest_wall is None:
             object.__setattr__(self, "smallest_wall", self.nozzle)
-        wall = require_positive(self.wall, "smallest wall", "mm")
+        wall = self.wall
         if wall < self.nozzle - ROUNDING:
             raise FabricationError(
                 f"The smallest wall is {wall:g} mm, narrower than the nozzle of {self.nozzle:g} mm:"
@@ -66,6 +75,12 @@ class Printer:
         return n
 
 
+@checked(
+    width=length("groove width"),
+    pitch=length("groove pitch"),
+    depth=number("mm", 0.0, LENGTHS[1], name="groove depth"),
+    margin=number("mm", -LENGTHS[1], LENGTHS[1], name="groove margin"),
+)
 @dataclass(frozen=True)
 class Grooves:
     """Rings sunk into the substrate under every scale, parallel to its outline and filled by it.
@@ -84,13 +99,6 @@ class Grooves:
     margin: float | None = None
 
     def __post_init__(self) -> None:
-        require_positive(self.width, "groove width", "mm")
-        require_positive(self.pitch, "groove pitch", "mm")
-        depth = require_finite(self.depth, "groove depth", "mm")
-        if depth < 0.0:
-            raise FabricationError(
-                f"The groove depth is {depth:g} mm: give 0 for a plain base, or a positive depth."
-            )
         if self.margin is None:
             object.__setattr__(self, "margin", self.pitch - self.width)
 

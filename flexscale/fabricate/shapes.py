@@ -9,16 +9,24 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from flexscale.checks import checked, length, number, optional
 from flexscale.errors import FabricationError
 from flexscale.fabricate.options import ROUNDING, Printer
 from flexscale.fabricate.walls import on_grid
-from flexscale.units import require_finite, require_positive
+from flexscale.units import LENGTHS
 
 FloatArray = NDArray[np.float64]
 
 CHORD = 0.005  # mm, largest distance between a circle and the polygon that is printed for it
 
 
+@checked(
+    length=length("sheet length"),
+    width=length("sheet width"),
+    pin=optional(length("hinge pin")),
+    clearance=number("mm", 0.0, LENGTHS[1], name="pin clearance"),
+    barrel_wall=length(),
+)
 @dataclass(frozen=True)
 class Rectangle:
     """Rectangle with a hinge barrel along either short side, or without hinges.
@@ -38,18 +46,6 @@ class Rectangle:
     pin: float | None = 3.0
     clearance: float = 0.2
     barrel_wall: float = 1.2
-
-    def __post_init__(self) -> None:
-        require_positive(self.length, "sheet length", "mm")
-        require_positive(self.width, "sheet width", "mm")
-        if self.pin is not None:
-            require_positive(self.pin, "hinge pin", "mm")
-            require_positive(self.barrel_wall, "barrel wall", "mm")
-            if require_finite(self.clearance, "pin clearance", "mm") < 0.0:
-                raise FabricationError(
-                    f"The pin clearance is {self.clearance:g} mm: its hole must not be narrower "
-                    "than the pin; give 0 or more."
-                )
 
     @property
     def name(self) -> str:
@@ -93,6 +89,7 @@ class Rectangle:
         return {"shape": "rectangle", **asdict(self)}
 
 
+@checked(radius=length("disc radius"), hub=optional(length("hub hole")))
 @dataclass(frozen=True)
 class Disc:
     """Disc with a hole in the middle for the mandrel.
@@ -109,14 +106,11 @@ class Disc:
     n_hinges = 0
 
     def __post_init__(self) -> None:
-        require_positive(self.radius, "disc radius", "mm")
-        if self.hub is not None:
-            require_positive(self.hub, "hub hole", "mm")
-            if self.hub >= 2.0 * self.radius:
-                raise FabricationError(
-                    f"The hub hole of {self.hub:g} mm diameter takes up the whole disc of "
-                    f"{self.radius:g} mm radius: give one below {2.0 * self.radius:g} mm."
-                )
+        if self.hub is not None and self.hub >= 2.0 * self.radius:
+            raise FabricationError(
+                f"The hub hole of {self.hub:g} mm diameter takes up the whole disc of "
+                f"{self.radius:g} mm radius: give one below {2.0 * self.radius:g} mm."
+            )
 
     @property
     def name(self) -> str:

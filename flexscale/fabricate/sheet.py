@@ -10,6 +10,8 @@ import manifold3d as m3
 import numpy as np
 import shapely
 
+from flexscale import checks
+from flexscale.checks import checked
 from flexscale.fabricate.grooves import groove_rings
 from flexscale.fabricate.hinges import hinge_axes, hinge_bases, hinge_profile
 from flexscale.fabricate.layout import Layout
@@ -87,6 +89,13 @@ class PrintableSheet:
         }
 
 
+@checked(
+    pattern=checks.PATTERN,
+    shape=checks.instance("flexscale.fabricate.shapes:Shape", "take a Rectangle or a Disc"),
+    layout=checks.options("flexscale.fabricate.layout:Layout"),
+    grooves=checks.options("flexscale.fabricate.options:Grooves"),
+    printer=checks.options("flexscale.fabricate.options:Printer"),
+)
 def printable_sheet(
     pattern: Pattern,
     shape: Shape | None = None,

@@ -15,14 +15,16 @@ from typing import Any
 
 import numpy as np
 
+from flexscale.datasets.variables import SOME_SIDES
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.errors import BadInputError
 from flexscale.homogenize.finite_sheet import FiniteSheet
-from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
+from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.contact import ContactSurface
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.energy import IntArray
+from flexscale.mechanics.load_series import require_bends
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
@@ -152,22 +154,10 @@ def check_bends(length: float, curvatures: Sequence[float], sides: Sequence[str]
     BadInputError : an unknown side, curvatures [mm-1] that do not increase from 0 on, or the sheet
         would run into its own end.
     """
-    for side in sides:
-        if side not in SIDE_SIGNS:
-            raise BadInputError(f"There is no side {side!r}: bend to 'closing' or 'opening'.")
-    kappa = np.asarray(curvatures, dtype=float)
-    if (
-        not len(kappa)
-        or not np.isfinite(kappa).all()
-        or kappa[0] < 0
-        or (np.diff(kappa) <= 0).any()
-    ):
+    SOME_SIDES(sides, "sides")
+    require_bends(curvatures)
+    if curvatures[-1] * length >= 2.0 * np.pi:
         raise BadInputError(
-            f"Curvatures must be finite, not negative and increasing, in mm-1, not "
-            f"{list(curvatures)}; the side says to which side the sheet is bent."
-        )
-    if kappa[-1] * length >= 2.0 * np.pi:
-        raise BadInputError(
-            f"At a curvature of {kappa[-1]:.12g} mm-1 a sheet of {length:.12g} mm runs into its "
-            f"own end: stay below {2.0 * np.pi / length:.4g} mm-1."
+            f"At a curvature of {curvatures[-1]:.12g} mm-1 a sheet of {length:.12g} mm runs into "
+            f"its own end: stay below {2.0 * np.pi / length:.4g} mm-1."
         )

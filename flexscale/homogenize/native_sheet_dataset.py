@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexscale import checks
+from flexscale.checks import checked, function, length, number, series
 from flexscale.datasets.build_sheets import build_sheet_dataset
+from flexscale.datasets.variables import SOME_SIDES
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_sheet import NativeSheet, check_bends
@@ -15,6 +18,7 @@ from flexscale.homogenize.sweep import Checkpoint, SampleEvent, run_lines
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.mesh.estimate import require_moderate_sheet
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.solve.newton import SolverOptions
@@ -27,6 +31,21 @@ _REAL = ("energy_density", "moment", "min_gap")
 _COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs")
 
 
+@checked(
+    pattern=checks.PATTERN,
+    length=length("sheet length"),
+    width=length("sheet width"),
+    curvatures=series("mm-1"),
+    direction=number("degree"),
+    sides=SOME_SIDES,
+    mesh=checks.MESH,
+    contact=checks.CONTACT,
+    substrate=checks.SUBSTRATE,
+    scales=checks.SCALES,
+    solver=checks.SOLVER,
+    checkpoint=checks.CHECKPOINT,
+    on_sample=function,
+)
 def simulate_native_sheet(
     pattern: Pattern,
     *,
@@ -51,9 +70,9 @@ def simulate_native_sheet(
     ----------
     pattern : the scale pattern.
     length, width : mm; the sheet is bent along its length.
-    curvatures : mm-1, from 0 on, increasing.
+    curvatures : mm-1, from 0 on, increasing; one number is a series of one.
     direction : degree, of the sheet's length in the pattern's coordinates.
-    sides : of "closing", "opening".
+    sides : "closing", "opening", or both.
     mesh, contact, substrate, scales, solver : options, defaults if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
@@ -70,11 +89,12 @@ def simulate_native_sheet(
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     check_bends(length, curvatures, sides)
+    require_moderate_sheet(pattern, mesh, length, width)
     sheet = NativeSheet(
         pattern, length, width, direction, mesh=mesh, contact=contact, substrate=substrate,
         scales=scales, linear_solver=solver.linear_solver,
     )  # fmt: skip
-    kappa = tuple(float(k) for k in curvatures)
+    kappa = tuple(curvatures)
     # The pattern is turned on the sheet, which always bends along its length.
     lines = [Line(side, 0.0, kappa) for side in sides]
     found = run_lines(sheet, lines, solver, checkpoint, on_sample)

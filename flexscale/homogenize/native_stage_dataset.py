@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexscale import checks
+from flexscale.checks import checked, function, length, number, series
 from flexscale.datasets.build import NO_CONTACT_COMMENT
 from flexscale.datasets.build_sheets import build_rig_dataset
-from flexscale.errors import UnknownNameError, suggest
+from flexscale.datasets.variables import SOME_SIDES
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import SIDE_SIGNS
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.homogenize.stage_line import follow_shortenings
 from flexscale.homogenize.sweep import Checkpoint
@@ -21,12 +22,12 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.mesh.estimate import require_moderate_sheet
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
-from flexscale.units import require_positive
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,6 +58,21 @@ class ShorteningEvent:
     seconds: float
 
 
+@checked(
+    pattern=checks.PATTERN,
+    length=length("strip length"),
+    width=length("strip width"),
+    shortenings=series("mm", "shortening"),
+    direction=number("degree"),
+    sides=SOME_SIDES,
+    mesh=checks.MESH,
+    contact=checks.CONTACT,
+    substrate=checks.SUBSTRATE,
+    scales=checks.SCALES,
+    solver=checks.SOLVER,
+    checkpoint=checks.CHECKPOINT,
+    on_sample=function,
+)
 def simulate_native_stage(
     pattern: Pattern,
     *,
@@ -82,9 +98,9 @@ def simulate_native_stage(
     ----------
     pattern : the scale pattern.
     length, width : mm; the hinges are at both ends of the length.
-    shortenings : mm, increasing from above 0.
+    shortenings : mm, increasing from above 0; one number is a series of one.
     direction : degree, of the strip's length in the pattern's coordinates.
-    sides : of "closing", "opening": to which the strip is bent at the first shortening.
+    sides : "closing", "opening", or both: to which the strip is bent at the first shortening.
     mesh, contact, substrate, scales, solver : options, defaults if not given.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
@@ -101,7 +117,8 @@ def simulate_native_stage(
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     contact = contact or ContactOptions()
-    asked = _checked(length, shortenings, sides)
+    asked = require_shortenings(shortenings, length).tolist()
+    require_moderate_sheet(pattern, mesh, length, width)
     stage = NativeStage(
         pattern, clip_pattern(pattern, length, width, direction, glued=False), mesh=mesh,
         contact=contact, substrate=substrate, scales=scales, linear_solver=solver.linear_solver,
@@ -163,12 +180,3 @@ def _run_side(
         if checkpoint is not None:
             checkpoint.append(key, sample)
         yield sample
-
-
-def _checked(length: float, shortenings: Sequence[float], sides: Sequence[str]) -> list[float]:
-    """Shortenings [mm] that a strip of a length [mm] can be given, before anything is meshed."""
-    for side in sides:
-        if side not in SIDE_SIGNS:
-            raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDE_SIGNS)}")
-    length = require_positive(length, "strip length", "mm")
-    return [float(value) for value in require_shortenings(shortenings, length)]

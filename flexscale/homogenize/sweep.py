@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
-from flexscale.errors import UnitRangeError, UnknownNameError, suggest
+from flexscale import checks
+from flexscale.checks import checked, flag, function, series, whole
+from flexscale.datasets.variables import SOME_SIDES
+from flexscale.errors import UnitRangeError
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import SIDE_SIGNS, Line, follow_line
+from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
 from flexscale.homogenize.sweep_dataset import build_dataset_of
@@ -24,6 +25,7 @@ from flexscale.homogenize.symmetry import (
 )
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.load_series import require_bends
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
@@ -69,6 +71,21 @@ class SampleEvent:
     seconds: float
 
 
+@checked(
+    pattern=checks.PATTERN,
+    directions=series("degree"),
+    curvatures=series("mm-1"),
+    sides=SOME_SIDES,
+    mesh=checks.MESH,
+    solver=checks.SOLVER,
+    contact=checks.CONTACT,
+    substrate=checks.SUBSTRATE,
+    scales=checks.SCALES,
+    symmetry=flag,
+    workers=whole(1, 1024),
+    checkpoint=checks.CHECKPOINT,
+    on_sample=function,
+)
 def sweep(
     pattern: Pattern,
     directions: Sequence[float],
@@ -90,9 +107,10 @@ def sweep(
     Parameters
     ----------
     pattern : the scale pattern.
-    directions : degree in [0, 180), measured from the x axis of the pattern's coordinates.
+    directions : degree in [0, 180), measured from the x axis of the pattern's coordinates; one
+        number is a series of one, here and in `curvatures`.
     curvatures : mm-1, non-negative and increasing.
-    sides : of "closing", "opening".
+    sides : "closing", "opening", or both.
     mesh, solver, contact, substrate, scales : element sizes, solver, contact, substrate and scale
         options; the defaults if not given.
     symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
@@ -115,7 +133,7 @@ def sweep(
     """
     mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
     check_sweep(pattern, directions, curvatures, sides)
-    kappa = tuple(float(k) for k in curvatures)
+    kappa = tuple(curvatures)
     sources = find_sources(pattern, directions, symmetry)
     solved = dict.fromkeys(source.direction for source in sources)
     lines = [Line(side, direction, kappa) for side in sides for direction in solved]
@@ -184,31 +202,22 @@ def check_sweep(
     Raises
     ------
     UnknownNameError : a side other than "closing" and "opening".
-    UnitRangeError : a direction outside [0, 180) degree, a curvature that is negative, not finite
-        or out of order, nothing to compute, or a curvature at which the cylinder folds through the
-        scales.
+    UnitRangeError : a direction outside [0, 180) degree or given twice, a curvature that is
+        negative or out of order, or a curvature at which the cylinder folds through the scales.
     """
-    for side in sides:
-        if side not in SIDE_SIGNS:
-            raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDE_SIGNS)}")
-    for values, name in ((sides, "sides"), (directions, "directions"), (curvatures, "curvatures")):
-        if len(values) == 0 or len(set(values)) != len(values):
-            raise UnitRangeError(f"A sweep needs one or more distinct {name}, not {list(values)}.")
     for direction in directions:
         if not 0.0 <= direction < 180.0:
             raise UnitRangeError(
                 f"The direction {direction:g} degree is outside [0, 180): bending is the same "
                 "after half a turn."
             )
-    kappa = np.asarray(curvatures, dtype=float)
-    if not (np.isfinite(kappa).all() and (kappa >= 0.0).all() and (np.diff(kappa) > 0.0).all()):
+    if len(set(directions)) != len(directions):
+        raise UnitRangeError("directions must be distinct: give each once.")
+    require_bends(curvatures)
+    largest = curvatures[-1]
+    if "closing" in sides and largest * pattern.scale_height >= 1.0:
         raise UnitRangeError(
-            f"Curvatures must be finite, non-negative and increasing, in mm-1, not "
-            f"{list(curvatures)}; the side says to which side the sheet is bent."
-        )
-    if "closing" in sides and kappa[-1] * pattern.scale_height >= 1.0:
-        raise UnitRangeError(
-            f"At a closing curvature of {kappa[-1]:g} mm-1 the bending center lies inside the "
+            f"At a closing curvature of {largest:g} mm-1 the bending center lies inside the "
             f"scales, which are {pattern.scale_height:g} mm high: stay below "
             f"{1.0 / pattern.scale_height:g} mm-1."
         )

@@ -22,6 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale import checks
+from flexscale.checks import checked, choice
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
 from flexscale.mechanics.contact_options import ContactOptions
@@ -30,6 +32,8 @@ from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
+from flexscale.solve.linear import LINEAR_SOLVERS
+from flexscale.units import require_array
 
 _SAMPLES = 1800
 
@@ -51,7 +55,7 @@ class TangentStiffness:
 
     def stiffness(self, direction: ArrayLike) -> float | FloatArray:
         """a = C : (n n n n) for bending in `direction` [degrees], N mm; of the same shape."""
-        angle = np.radians(np.asarray(direction, dtype=float))
+        angle = np.radians(require_array(direction, "direction", "degree"))
         c, s = np.cos(angle), np.sin(angle)
         k = np.stack([c * c, s * s, 2.0 * c * s], axis=-1)
         a = np.einsum("...i,ij,...j->...", k, self.matrix, k)
@@ -149,6 +153,13 @@ def _in_plane(problem: CellProblem) -> FloatArray:
     return stiffness / problem.area
 
 
+@checked(
+    pattern=checks.PATTERN,
+    mesh=checks.MESH,
+    substrate=checks.SUBSTRATE,
+    scales=checks.SCALES,
+    linear_solver=choice("linear solver", LINEAR_SOLVERS),
+)
 def tangent_stiffness(
     pattern: Pattern,
     *,

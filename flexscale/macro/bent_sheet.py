@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flexscale.checks import checked, choice, flag, length, number
 from flexscale.errors import BadInputError
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.extrapolation import warn_beyond
@@ -23,10 +24,11 @@ from flexscale.macro.sheet_rows import POSITION
 from flexscale.macro.surfaces import cylinder
 from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 from flexscale.mesh.sheet import SheetMesh, rectangle
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
-from flexscale.units import require_finite, require_positive, require_range
+from flexscale.units import LENGTHS, require_finite, require_positive, require_range
 
 #: Newton decrement over the energy; the step it belongs to is still taken, so that energies are
 #: good to 1e-12 of themselves, and states to 1e-6.
@@ -36,6 +38,12 @@ MOST_ITERATIONS = 300
 _KAPPA_STEP = 1e-4  # relative, of the central difference of the strips' places
 
 
+@checked(
+    element=choice("substrate element", SUBSTRATE_ELEMENTS),
+    size=length("element size"),
+    strip=number("mm", 0.0, LENGTHS[1]),
+    turning=flag,
+)
 @dataclass(frozen=True)
 class SheetOptions:
     """How a bent sheet is discretized and held.

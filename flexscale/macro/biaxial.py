@@ -7,6 +7,8 @@ import numpy as np
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.units import require_range
 
+MOST_W_BIAXIAL = 1e12  # N mm3: a million times that of tiles of 10 cm2 on the stiffest sheets
+
 
 def choose_w_biaxial(
     given: float | None, in_plane: FloatArray | None, tile_area: float | str | None
@@ -18,7 +20,7 @@ def choose_w_biaxial(
     UnitRangeError : a negative or infinite one was given.
     """
     if given is not None:
-        return require_range(given, "w_biaxial", "N mm3", 0.0, np.inf)
+        return require_range(given, "w_biaxial", "N mm3", 0.0, MOST_W_BIAXIAL)
     if in_plane is None or tile_area is None:
         return 0.0
     return default_w_biaxial(in_plane, float(tile_area))

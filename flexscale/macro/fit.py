@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from typing import TYPE_CHECKING, Any
 
+from flexscale.checks import DATASET, checked, choice, number
 from flexscale.datasets.fit_values import FloatArray
+from flexscale.datasets.given import read_config
 from flexscale.datasets.variables import SCALARS, VARIANTS
-from flexscale.errors import BadInputError, UnknownNameError, suggest
+from flexscale.errors import BadInputError
 from flexscale.macro.assessment import assess
-from flexscale.macro.biaxial import choose_w_biaxial
+from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
 from flexscale.macro.flat_response import FlatResponse, fit_softening
 from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.model import MacroModel
@@ -32,6 +33,12 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
+@checked(
+    sweep=DATASET,
+    variant=choice("variant", VARIANTS),
+    weighting=choice("weighting", WEIGHTINGS),
+    w_biaxial=number("N mm3", 0.0, MOST_W_BIAXIAL, name="w_biaxial"),
+)
 def fit(
     sweep: xr.Dataset,
     tangent: TangentStiffness | xr.Dataset | None = None,
@@ -66,8 +73,6 @@ def fit(
     BadInputError : too few or too unevenly spread curvatures or directions, too coarse a sweep to
         see the onset of contact, or no or a wrong tangent; with the numbers.
     """
-    _require_known("weighting", weighting, WEIGHTINGS)
-    _require_known("variant", variant, VARIANTS)
     samples = read_samples(sweep)
     if samples.n_ignored:
         log.warning(
@@ -103,11 +108,6 @@ def fit(
     )
 
 
-def _require_known(what: str, name: str, known: tuple[str, ...]) -> None:
-    if name not in known:
-        raise UnknownNameError(f"There is no {what} {name!r}. {suggest(name, known)}")
-
-
 def _rest_stiffness(
     sweep: xr.Dataset, tangent: TangentStiffness | xr.Dataset | None, variant: Variant
 ) -> tuple[FloatArray, FloatArray] | tuple[None, None]:
@@ -133,5 +133,4 @@ def _labels(sweep: xr.Dataset) -> dict[str, float | str]:
 
 
 def _config(sweep: xr.Dataset) -> dict[str, Any]:
-    config: dict[str, Any] = json.loads(sweep.attrs.get("flexscale_config", "{}"))
-    return config
+    return read_config(sweep)

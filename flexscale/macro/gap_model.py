@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
+from flexscale import checks
+from flexscale.checks import checked, number
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.macro import gap_law
-from flexscale.macro.biaxial import choose_w_biaxial
+from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
 from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.law_table import build_rest_table
 from flexscale.macro.rest_stiffness import read_rest_stiffness, require_same_cell
@@ -116,6 +118,7 @@ class GapModel:
         largest = float(np.linalg.eigvalsh(self.in_plane).max())
         return SheetLaw(gap_law.energy, gap_law.law, table, largest)
 
+    @checked(sweep=checks.DATASET)
     def fitted(self, sweep: xr.Dataset) -> GapModel:
         """The model with softenings fitted to a sweep of the same cell.
 
@@ -145,6 +148,7 @@ class GapModel:
         start = np.ones(len(names))
         return with_values(least_squares(off, start, bounds=(0.0, np.inf), diff_step=1e-3).x)
 
+    @checked(sweep=checks.DATASET)
     def errors(self, sweep: xr.Dataset) -> tuple[FloatArray, FloatArray]:
         """Relative errors of energies and of moments at the converged samples of a sweep, (n,).
 
@@ -190,6 +194,15 @@ def _ratios(model: GapModel, samples: Samples) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(energies), np.concatenate(moments)
 
 
+@checked(
+    pattern=checks.PATTERN,
+    sweep=checks.DATASET,
+    mesh=checks.MESH,
+    substrate=checks.SUBSTRATE,
+    scales=checks.SCALES,
+    contact=checks.CONTACT,
+    w_biaxial=number("N mm3", 0.0, MOST_W_BIAXIAL, name="w_biaxial"),
+)
 def gap_model(
     pattern: Pattern,
     sweep: xr.Dataset | None = None,

@@ -11,6 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale import checks
+from flexscale.checks import checked, length, series
+from flexscale.datasets.variables import ONE_SIDE
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.extrapolation import warn_beyond
@@ -169,6 +172,16 @@ class MandrelRig:
         )
 
 
+@checked(
+    model=checks.MODEL,
+    radius=length("disc radius"),
+    hub=length("hub radius"),
+    indentation=length(),
+    angles=series("degree", "mandrel angle"),
+    side=ONE_SIDE,
+    options=checks.RIG,
+    solver=checks.SOLVER,
+)
 def simulate_mandrel(
     model: SheetModel,
     *,

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale.checks import DATASET, checked, require_choice
 from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.variables import SIDES
-from flexscale.errors import BadInputError, UnknownNameError, suggest
+from flexscale.errors import BadInputError
 from flexscale.macro import tensor_law
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.extrapolation import warn_beyond
@@ -23,6 +24,7 @@ from flexscale.macro.tensors import (
     evaluate_tensors,
     require_curvatures,
     require_directions,
+    require_same_shape,
     warn_beyond_tensors,
 )
 from flexscale.macro.uniaxial import UniaxialLaw, Weighting
@@ -110,13 +112,17 @@ class MacroModel:
         direction : degree, along which the sheet curves; broadcast with the curvature.
         side : "closing" or "opening".
         """
-        return self._law(direction, side).moment(self._curvatures(curvature, "A moment"))
+        law, kappa = self._law(direction, side, curvature)
+        warn_beyond("A moment is asked for up", kappa, self.largest_curvature)
+        return law.moment(kappa)
 
     def energy(
         self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
     ) -> FloatArray:
         """Energy per area [N mm-1], the integral of `moment` over the curvature; as there."""
-        return self._law(direction, side).energy(self._curvatures(curvature, "An energy"))
+        law, kappa = self._law(direction, side, curvature)
+        warn_beyond("An energy is asked for up", kappa, self.largest_curvature)
+        return law.energy(kappa)
 
     def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
         """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
@@ -170,26 +176,23 @@ class MacroModel:
         law = SheetLaw(tensor_law.energy, tensor_law.law, self._table(None), stiffness=0.0)
         return evaluate_tensors(curvature, law)
 
-    def _curvatures(self, curvature: ArrayLike, what: str) -> FloatArray:
-        """Magnitudes of curvatures (mm-1), checked, with a warning beyond the data."""
-        values = require_curvatures(curvature)
-        warn_beyond(f"{what} is asked for up", values, self.largest_curvature)
-        return values
-
-    def _law(self, direction: ArrayLike, side: str) -> UniaxialLaw:
+    def _law(
+        self, direction: ArrayLike, side: str, curvature: ArrayLike
+    ) -> tuple[UniaxialLaw, FloatArray]:
+        angles, kappa = require_directions(direction), require_curvatures(curvature)
+        require_same_shape(kappa, angles)
         # Contact beyond the samples stays in, or the energy would jump with the direction there.
-        return self.polar.law(require_directions(direction), self._side(side), within=False)
+        return self.polar.law(angles, self._side(side), within=False), kappa
 
     def _side(self, side: str) -> int:
-        if side not in self.sides:
-            raise UnknownNameError(f"The model has no side {side!r}. {suggest(side, self.sides)}")
-        return self.sides.index(side)
+        return self.sides.index(require_choice(side, "side of the model", self.sides))
 
     def to_dataset(self, recipe: Recipe | None = None) -> xr.Dataset:
         """Dataset of kind fit; all of the model is in it."""
         return write_model(self, recipe)
 
     @classmethod
+    @checked(dataset=DATASET)
     def from_dataset(cls, dataset: xr.Dataset) -> MacroModel:
         """Inverse of `to_dataset`.
 

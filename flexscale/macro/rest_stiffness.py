@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
+from flexscale.datasets.given import read_config
 from flexscale.datasets.schema import schema_of
 from flexscale.errors import BadInputError, SchemaError
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.samples import Samples
+from flexscale.units import require_array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +42,10 @@ def read_rest_stiffness(tangent: TangentStiffness | xr.Dataset) -> tuple[FloatAr
             f"The tangent has no {', '.join(missing)}: give a dataset of kind "
             f"{schema_of('tangent').name}, or what fs.tangent_stiffness returns."
         )
-    found = [np.asarray(getattr(tangent, name), dtype=float) for name in names]
+    found = [require_array(getattr(tangent, name), f"tangent {name}", "1") for name in names]
+    for values, name in zip(found, names, strict=True):
+        if values.shape != (3, 3):
+            raise SchemaError(f"The {name} of the tangent has shape {values.shape}, not (3, 3).")
     for values, name, units in zip(found, ("bending", "in-plane"), ("N mm", "N mm-1"), strict=True):
         least = np.linalg.eigvalsh(values).min() if np.isfinite(values).all() else np.nan
         if not least > 0.0:
@@ -54,7 +58,7 @@ def read_rest_stiffness(tangent: TangentStiffness | xr.Dataset) -> tuple[FloatAr
 
 def tangent_of_sweep(sweep: xr.Dataset) -> TangentStiffness | None:
     """Stiffness of the flat cell of a sweep, in seconds; None where its recipe names no pattern."""
-    config: dict[str, Any] = json.loads(sweep.attrs.get("flexscale_config", "{}"))
+    config = read_config(sweep)
     if not {"pattern", "mesh", "substrate", "scales"} <= config.keys():
         return None
     # Meshing needs system libraries, which a fit that is given its tangent can do without.

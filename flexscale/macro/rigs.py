@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexscale.checks import checked, choice, length, whole
 from flexscale.datasets.variables import SIDES
-from flexscale.errors import UnitRangeError, UnknownNameError, suggest
-from flexscale.units import require_positive
+from flexscale.errors import UnknownNameError, suggest
+from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 
 
+@checked(
+    element=choice("substrate element", SUBSTRATE_ELEMENTS),
+    size=length("element size"),
+    steps=whole(1, 1000, "load steps"),
+)
 @dataclass(frozen=True)
 class RigOptions:
     """Options of the mandrel and the stage.
@@ -28,13 +34,6 @@ class RigOptions:
     element: str = "c1"
     size: float = 5.0
     steps: int = 2
-
-    def __post_init__(self) -> None:
-        require_positive(self.size, "element size", "mm")
-        if require_positive(self.steps, "load steps", "1") != int(self.steps):
-            raise UnitRangeError(
-                f"load steps are {self.steps!r}, but steps are counted: give a whole number."
-            )
 
 
 def side_sign(side: str) -> float:

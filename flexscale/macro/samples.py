@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexscale.datasets.fit_values import FloatArray
+from flexscale.datasets.given import require_variables
 from flexscale.datasets.variables import SIDES
-from flexscale.errors import BadInputError, SchemaError
+from flexscale.errors import BadInputError
 from flexscale.macro.harmonics import harmonic_matrix
 from flexscale.macro.uniaxial import Line
 from flexscale.status import SolveStatus
@@ -82,9 +83,7 @@ def read_samples(sweep: xr.Dataset) -> Samples:
     SchemaError : not a sweep.
     BadInputError : too few curvatures or directions, or directions too unevenly spread.
     """
-    missing = [name for name in _NEEDED if name not in getattr(sweep, "variables", ())]
-    if missing:
-        raise SchemaError(f"A fit needs a sweep; this dataset has no {', '.join(missing)}.")
+    require_variables(sweep, _NEEDED, "A fit to a sweep")
     sides = tuple(side for side in SIDES if side in sweep["side"].values)
     ordered = sweep.sel(side=list(sides)).sortby(["direction", "curvature"])
     ordered = ordered.transpose("side", "direction", "curvature", ...)

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from flexscale import checks
+from flexscale.checks import checked, length, number
 from flexscale.macro.bent_sheet import BentSheet, SheetOptions, bend_sheet
 from flexscale.macro.sheet_model import SheetModel
 from flexscale.solve.newton import SolverOptions
 
 
+@checked(
+    model=checks.MODEL,
+    length=length("sheet length"),
+    width=length("sheet width"),
+    curvature=number("mm-1"),
+    direction=number("degree"),
+    options=checks.SHEET,
+    solver=checks.SOLVER,
+)
 def simulate_sheet(
     model: SheetModel,
     *,

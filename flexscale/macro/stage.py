@@ -11,6 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale import checks
+from flexscale.checks import checked, length, number, series
+from flexscale.datasets.variables import ONE_SIDE
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.extrapolation import warn_beyond
@@ -189,6 +192,16 @@ class StageRig:
         return force, state.strain_energy, -sign * height, largest
 
 
+@checked(
+    model=checks.MODEL,
+    length=length("strip length"),
+    width=length("strip width"),
+    shortenings=series("mm", "shortening"),
+    direction=number("degree"),
+    side=ONE_SIDE,
+    options=checks.RIG,
+    solver=checks.SOLVER,
+)
 def simulate_stage(
     model: SheetModel,
     *,

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexscale.datasets.build import build_fit_dataset
 from flexscale.datasets.fit_values import PARAMETERS, FloatArray
+from flexscale.datasets.given import read_config, require_variables
 from flexscale.datasets.schema import schema_of
 from flexscale.datasets.variables import SCALARS
-from flexscale.errors import SchemaError
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.polar import DirectionalLaws, PolarLaw
@@ -79,9 +78,9 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
     ------
     SchemaError : not a fit.
     """
-    missing = [item.name for item in schema_of("fit").variables if item.name not in dataset]
-    if missing:
-        raise SchemaError(f"A macro model is a dataset of kind fit; no {', '.join(missing)}.")
+    declared = schema_of("fit")
+    needed = [v.name for v in (*declared.coordinates, *declared.variables) if not v.optional]
+    require_variables(dataset, needed, "A macro model")
     sides = tuple(str(side) for side in dataset["side"].values)
     values = {name: dataset[name].values for name in dataset.variables}
     directional = values["directional_value"]
@@ -107,7 +106,7 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
         "w_biaxial": float(values["w_biaxial"]),
         "n_ignored": int(values["n_ignored"]),
         "labels": labels,
-        "config": json.loads(dataset.attrs["flexscale_config"]),
+        "config": read_config(dataset),
     }
 
 

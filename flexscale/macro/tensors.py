@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.variables import SIDES
-from flexscale.errors import UnitRangeError, UnknownNameError, suggest
+from flexscale.datasets.variables import ONE_SIDE
+from flexscale.errors import UnitRangeError, shown
 from flexscale.macro.extrapolation import warn_beyond
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.units import LENGTHS, require_array
 
 
 def evaluate_tensors(curvature: ArrayLike, law: SheetLaw) -> tuple[FloatArray, FloatArray]:
@@ -47,15 +48,18 @@ def require_tensors(curvature: ArrayLike) -> FloatArray:
     ------
     UnitRangeError : not symmetric 2 by 2 matrices of finite numbers.
     """
-    tensors = np.asarray(curvature, dtype=float)
-    if tensors.shape[-2:] != (2, 2) or not np.isfinite(tensors).all():
+    tensors = require_array(curvature, "curvature tensors", "mm-1")
+    _require_moderate(tensors)
+    if tensors.shape[-2:] != (2, 2):
         raise UnitRangeError(
             "A curvature tensor is a symmetric 2 by 2 matrix of finite numbers in mm-1, not "
-            f"{curvature!r}."
+            f"{shown(curvature)}."
         )
     off = np.abs(tensors[..., 0, 1] - tensors[..., 1, 0])
-    if np.any(off > 1e-9 * np.abs(tensors).max(axis=(-2, -1))):  # more than rounding
-        raise UnitRangeError(f"Curvature tensors are symmetric, but {curvature!r} is not.")
+    if tensors.size and np.any(
+        off > 1e-9 * np.abs(tensors).max(axis=(-2, -1))
+    ):  # more than rounding
+        raise UnitRangeError(f"Curvature tensors are symmetric, but {shown(curvature)} is not.")
     return tensors
 
 
@@ -66,10 +70,10 @@ def uniaxial_tensors(curvature: ArrayLike, direction: ArrayLike, side: str) -> F
     ------
     UnitRangeError, UnknownNameError : numbers out of range, no such side.
     """
-    if side not in SIDES:
-        raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDES)}")
-    kappa = require_curvatures(curvature) * (1.0 if side == "closing" else -1.0)
+    sign = 1.0 if ONE_SIDE(side, "side") == "closing" else -1.0
+    kappa = sign * require_curvatures(curvature)
     n = unit_vectors(direction)
+    require_same_shape(kappa, n[..., 0])
     return np.asarray(kappa)[..., None, None] * n[..., :, None] * n[..., None, :]
 
 
@@ -86,10 +90,7 @@ def require_directions(direction: ArrayLike) -> FloatArray:
     ------
     UnitRangeError : not finite.
     """
-    values = np.asarray(direction, dtype=float)
-    if not np.isfinite(values).all():
-        raise UnitRangeError(f"Directions must be finite, in degree, not {direction!r}.")
-    return values
+    return require_array(direction, "directions", "degree")
 
 
 def require_curvatures(curvature: ArrayLike) -> FloatArray:
@@ -99,10 +100,31 @@ def require_curvatures(curvature: ArrayLike) -> FloatArray:
     ------
     UnitRangeError : negative or not finite.
     """
-    values = np.asarray(curvature, dtype=float)
-    if not (np.isfinite(values) & (values >= 0.0)).all():
+    values = require_array(curvature, "curvatures", "mm-1")
+    if (values < 0.0).any():
         raise UnitRangeError(
-            f"Curvatures must be finite and not negative, in mm-1, not {curvature!r}; "
-            "the side says to which side the sheet is bent."
+            f"Curvatures are not negative, in mm-1, but {shown(curvature)} are: the side says to "
+            "which side the sheet is bent."
         )
+    _require_moderate(values)
     return values
+
+
+def require_same_shape(curvature: FloatArray, direction: FloatArray) -> None:
+    """Refuse arrays of curvatures and directions that do not broadcast against each other."""
+    try:
+        np.broadcast_shapes(curvature.shape, direction.shape)
+    except ValueError:
+        raise UnitRangeError(
+            f"Curvatures of shape {curvature.shape} and directions of shape {direction.shape} do "
+            "not go together: give one of them, as many of both, or columns and rows."
+        ) from None
+
+
+def _require_moderate(curvatures: FloatArray) -> None:
+    largest = float(np.abs(curvatures).max(initial=0.0))
+    if largest > 1.0 / LENGTHS[0]:
+        raise UnitRangeError(
+            f"A curvature of {largest:.6g} mm-1 has a radius below {LENGTHS[0]:g} mm, to which no "
+            "sheet can be bent."
+        )

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from flexscale.errors import ConfigError, UnitRangeError
-from flexscale.units import require_positive, require_range
+from flexscale.checks import checked, flag, number
+from flexscale.units import LENGTHS
 
 
+@checked(
+    enabled=flag,
+    activation=number("gap", 1e-6, 0.9, above=0.0, name="contact activation"),
+    stiffness=number("1", 1e-6, 1e6, above=0.0, name="contact stiffness"),
+    edge=number("mm", 0.0, LENGTHS[1], name="contact edge"),
+)
 @dataclass(frozen=True)
 class ContactOptions:
     """How scales touch.
@@ -17,7 +22,8 @@ class ContactOptions:
     Attributes
     ----------
     enabled : False leaves contact out; scales may then pass through each other.
-    activation : d_hat as a fraction of the gap.
+    activation : d_hat as a fraction of the gap; 0.005 to 0.01 keeps the onset within 1 %, and from
+        1 on scales would touch at rest.
     stiffness : factor on the barrier stiffness chosen from the sheet's own forces.
     edge : mm, radius of the part of a scale's surface over which a neighbor that touches a point of
         it presses: a printed edge is rounded by about the width of the nozzle. 0 presses at points;
@@ -28,18 +34,6 @@ class ContactOptions:
     activation: float = 0.005
     stiffness: float = 1.0
     edge: float = 0.4
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.enabled, bool):
-            raise ConfigError(f"Contact option enabled is {self.enabled!r}: give true or false.")
-        require_positive(self.activation, "contact activation", "gap")
-        require_positive(self.stiffness, "contact stiffness", "1")
-        require_range(self.edge, "contact edge", "mm", 0.0, math.inf)
-        if self.activation >= 1.0:
-            raise UnitRangeError(
-                f"The contact activation is {self.activation:g} gaps, so that scales would touch "
-                "at rest: give less than 1 (0.005 to 0.01 keeps the onset within 1 %)."
-            )
 
     def to_config(self) -> dict[str, Any]:
         """Plain numbers; `ContactOptions(**config)` makes them again."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale.errors import BadInputError, UnitRangeError
 from flexscale.mechanics.energy import FloatArray
-from flexscale.units import require_finite, require_positive
+from flexscale.units import require_increasing, require_positive, require_series
 
 #: mm, how far the hinges of a stage have come closer if nothing else is said.
 SHORTENINGS = (0.5, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0)
@@ -15,12 +17,17 @@ SHORTENINGS = (0.5, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0)
 
 def finite_series(values: ArrayLike, name: str, unit: str) -> FloatArray:
     """(n,) floats from one number or a list; UnitRangeError for none, or one that is not finite."""
-    series = np.atleast_1d(np.asarray(values, dtype=float))
-    if series.ndim != 1 or not len(series):
-        raise UnitRangeError(f"{name} must be one or more numbers in {unit}, not {values!r}.")
-    for value in series.tolist():
-        require_finite(value, name, unit)
-    return series
+    return np.array(require_series(values, name, unit))
+
+
+def require_bends(curvatures: Sequence[float]) -> None:
+    """Refuse curvatures [mm-1] that do not increase from 0 or more on."""
+    require_increasing(curvatures, "curvatures", "mm-1")
+    if curvatures[0] < 0.0:
+        raise UnitRangeError(
+            f"A curvature of {curvatures[0]:g} mm-1 is negative: the side says to which side the "
+            "sheet is bent."
+        )
 
 
 def require_shortenings(shortenings: ArrayLike, length: float) -> FloatArray:

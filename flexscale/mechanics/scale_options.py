@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from flexscale.errors import ConfigError, suggest
-from flexscale.units import require_positive
+from flexscale.checks import checked, choice, number
 
 SCALE_MODELS = ("modes", "tets")
 
 
+@checked(
+    model=choice("scale model", SCALE_MODELS),
+    cutoff=number("1", 1e-9, 1e9, above=0.0, name="cutoff of the scale's modes"),
+)
 @dataclass(frozen=True)
 class ScaleOptions:
     """How scales are modeled.
@@ -25,13 +28,6 @@ class ScaleOptions:
 
     model: str = "modes"
     cutoff: float = 1e-2
-
-    def __post_init__(self) -> None:
-        if self.model not in SCALE_MODELS:
-            raise ConfigError(
-                f"There is no scale model '{self.model}'. {suggest(self.model, SCALE_MODELS)}"
-            )
-        require_positive(self.cutoff, "cutoff of the scale's modes", "1")
 
     def to_config(self) -> dict[str, Any]:
         """The options as plain numbers and text; `ScaleOptions(**config)` makes them again."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from flexscale.errors import ConfigError, UnknownNameError, suggest
+from flexscale.checks import checked, choice
+from flexscale.errors import ConfigError
 
 SUBSTRATE_ELEMENTS = ("c1", "edge_angle", "averaged_normals")
 #: Numbered as in `shell_law`; the last one is the energy of `layered_law`.
@@ -13,6 +14,10 @@ BENDING_MEASURES = ("turn", "form", "curvature", "layers")
 DEFAULT_MEASURE = "layers"
 
 
+@checked(
+    element=choice("substrate element", SUBSTRATE_ELEMENTS),
+    bending_measure=choice("bending measure", BENDING_MEASURES),
+)
 @dataclass(frozen=True)
 class SubstrateOptions:
     """How the substrate is discretized.
@@ -34,12 +39,6 @@ class SubstrateOptions:
     def __post_init__(self) -> None:
         if self.element == "c1" and self.bending_measure is None:
             object.__setattr__(self, "bending_measure", DEFAULT_MEASURE)
-        for what, given, known in (
-            ("substrate element", self.element, SUBSTRATE_ELEMENTS),
-            ("bending measure", self.bending_measure, BENDING_MEASURES),
-        ):
-            if given is not None and given not in known:
-                raise UnknownNameError(f"There is no {what} {given!r}. {suggest(given, known)}")
         if self.element != "c1" and self.bending_measure is not None:
             raise ConfigError(
                 f"The bending measure {self.bending_measure!r} is for the element 'c1'; the "

@@ -5,10 +5,40 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from flexscale.checks import Check, checked, length, number, whole
 from flexscale.errors import MeshError
-from flexscale.units import require_finite, require_positive
+from flexscale.units import require_positive
+
+MOST_GROWTH = 1e3  # of neighboring sizes: beyond, triangles are needles whatever the mesh
 
 
+def _size(name: str) -> Check:
+    return length(f"mesh option {name}")
+
+
+def _growth(name: str, low: float) -> Check:
+    return number("1", low, MOST_GROWTH, above=0.0, name=f"mesh option {name}")
+
+
+def _count(name: str, low: int, high: int) -> Check:
+    return whole(low, high, f"mesh option {name}")
+
+
+@checked(
+    across=_count("across", 2, 64),
+    along=_size("along"),
+    corner=_size("corner"),
+    growth=_growth("growth", 1.0),
+    across_grading=_growth("across_grading", 1.0 / MOST_GROWTH),
+    scale_size=_size("scale_size"),
+    scale_corner=_size("scale_corner"),
+    scale_rim=_size("scale_rim"),
+    scale_strips=_count("scale_strips", 0, 64),
+    scale_growth=_growth("scale_growth", 1.0),
+    scale_layers=_count("scale_layers", 1, 64),
+    layer_growth=_growth("layer_growth", 1.0 / MOST_GROWTH),
+    scale_order=_count("scale_order", 1, 2),
+)
 @dataclass(frozen=True)
 class MeshOptions:
     """Element sizes of a periodic mesh.
@@ -49,34 +79,10 @@ class MeshOptions:
     scale_order: int = 2
 
     def __post_init__(self) -> None:
-        for name in ("along", "corner", "scale_size", "scale_corner", "scale_rim"):
-            require_positive(getattr(self, name), f"mesh option {name}", "mm")
-        for name in ("across_grading", "growth", "scale_growth", "layer_growth"):
-            require_positive(getattr(self, name), f"mesh option {name}", "1")
-        for name in ("growth", "scale_growth"):
-            if getattr(self, name) < 1.0:
-                raise MeshError(
-                    f"Mesh option {name} is {getattr(self, name):g}, but sizes grow away from the "
-                    "tiling vertices: give at least 1."
-                )
-        across = require_finite(self.across, "mesh option across", "1")
-        if across < 2 or across % 2:
+        if self.across % 2:
             raise MeshError(
-                f"Mesh option across is {across:g}, but each tile owns half a gap: "
+                f"Mesh option across is {self.across}, but each tile owns half a gap: "
                 "give an even number, 2 or more."
-            )
-        object.__setattr__(self, "across", int(across))
-        for name, least in (("scale_layers", 1), ("scale_strips", 0)):
-            number = require_finite(getattr(self, name), f"mesh option {name}", "1")
-            if number < least or number % 1:
-                raise MeshError(
-                    f"Mesh option {name} is {number:g}: give a whole number, {least} or more."
-                )
-            object.__setattr__(self, name, int(number))
-        if self.scale_order not in (1, 2):
-            raise MeshError(
-                f"Mesh option scale_order is {self.scale_order}: give 1 for linear tets or 2 for "
-                "quadratic ones."
             )
 
     def to_config(self) -> dict[str, Any]:

@@ -17,6 +17,9 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
+MOST_TRIANGLES = 300_000  # of a macro sheet: one equilibrium takes a minute or more
+
+
 @dataclass(frozen=True)
 class SheetMesh:
     """Triangles of a flat sheet.
@@ -137,8 +140,18 @@ def rectangle(length: float, width: float, size: float) -> SheetMesh:
     """[0, length] x [0, width] in nearly equilateral triangles with sides of about `size`, mm."""
     length, width = _sides(length, width)
     size = require_positive(size, "element size", "mm")
+    require_moderate_triangles(2.0 * length * width / (0.5 * np.sqrt(3.0) * size**2), size)
     cells = (round(length / size), round(width / (0.5 * np.sqrt(3.0) * size)))
     return staggered_rectangle(length, width, (max(1, cells[0]), max(1, cells[1])))
+
+
+def require_moderate_triangles(expected: float, size: float) -> None:
+    """Refuse a sheet of very many triangles of a size [mm], before they are made."""
+    if expected > MOST_TRIANGLES:
+        raise MeshError(
+            f"Triangles of {size:g} mm would be about {expected:.2g}, more than {MOST_TRIANGLES}: "
+            "give a larger element size, or a smaller sheet."
+        )
 
 
 def disc(radius: float, rings: int, hub: float = 0.0) -> SheetMesh:
@@ -152,6 +165,7 @@ def disc(radius: float, rings: int, hub: float = 0.0) -> SheetMesh:
     """
     radius = require_positive(radius, "disc radius", "mm")
     (rings,) = _counted((rings,))
+    require_moderate_triangles(6.0 * rings**2, radius / rings)
     radii = np.linspace(0.0, radius, rings + 1)
     if hub > 0.0:
         k = int(np.clip(round(hub / radius * rings), 1, rings - 1)) if rings > 1 else 0

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.mesh.estimate import require_moderate_mesh
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import (
     COVERED_EDGE,
@@ -57,6 +58,7 @@ def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> Periodic
     MeshError : the sizes asked for do not give a valid mesh.
     """
     options = options or MeshOptions()
+    require_moderate_mesh(pattern, options)
     tips = find_tip_sizes(pattern.prototiles, pattern.gap, options)
     meshes = [
         build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options, tips)

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
+from functools import cache
 
-from flexscale.errors import UnitRangeError
-from flexscale.units import require_finite, require_positive
+from flexscale.checks import checked, number
+from flexscale.units import MODULI, RATIOS
+
+log = logging.getLogger(__name__)
 
 
+@checked(
+    young_modulus=number("MPa", *MODULI, above=0.0, name="Young's modulus"),
+    poisson_ratio=number("1", *RATIOS, name="Poisson ratio"),
+)
 @dataclass(frozen=True)
 class NeoHookean:
     """Isotropic Neo-Hookean solid, given by its small-strain constants.
@@ -15,22 +23,15 @@ class NeoHookean:
     Parameters
     ----------
     young_modulus : MPa, positive.
-    poisson_ratio : 1, above -1 and below 0.5.
+    poisson_ratio : 1, within `units.RATIOS`; 0.48 or 0.49 for a nearly incompressible material.
+
+    Raises
+    ------
+    UnitRangeError : a constant out of range.
     """
 
     young_modulus: float
     poisson_ratio: float
-
-    def __post_init__(self) -> None:
-        modulus = require_positive(self.young_modulus, "Young's modulus", "MPa")
-        ratio = require_finite(self.poisson_ratio, "Poisson ratio", "1")
-        if not -1.0 < ratio < 0.5:
-            raise UnitRangeError(
-                f"Poisson ratio is {ratio:g}, but must lie above -1 and below 0.5: "
-                "take 0.48 or 0.49 for a nearly incompressible material."
-            )
-        object.__setattr__(self, "young_modulus", modulus)
-        object.__setattr__(self, "poisson_ratio", ratio)
 
     @property
     def shear_modulus(self) -> float:
@@ -42,6 +43,17 @@ class NeoHookean:
         """First Lamé constant λ, MPa."""
         ratio = self.poisson_ratio
         return self.young_modulus * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio))
+
+
+@cache
+def warn_of_soft_scales(scales: NeoHookean, substrate: NeoHookean) -> None:
+    """One warning in the log, for each two materials, where scales are softer than the sheet."""
+    if scales.young_modulus < substrate.young_modulus:
+        log.warning(
+            "The scales (%g MPa) are softer than the substrate (%g MPa): were GPa meant?",
+            scales.young_modulus,
+            substrate.young_modulus,
+        )
 
 
 PETG = NeoHookean(young_modulus=2020.0, poisson_ratio=0.35)

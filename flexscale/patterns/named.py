@@ -13,7 +13,8 @@ from typing import Any
 
 import yaml
 
-from flexscale.errors import PatternError, UnknownNameError, suggest
+from flexscale.checks import require_choice
+from flexscale.errors import PatternError, suggest
 from flexscale.patterns.pattern import MATERIALS, SIZES, Pattern
 
 
@@ -53,9 +54,7 @@ def find_named_pattern(name: str) -> NamedPattern:
     UnknownNameError : there is none.
     """
     known = {entry.name: entry for entry in named_patterns()}
-    if name not in known:
-        raise UnknownNameError(f"There is no pattern named {name!r}. {suggest(name, known)}")
-    return known[name]
+    return known[require_choice(name, "pattern named", known)]
 
 
 def named_pattern(name: str, **sizes: Any) -> Pattern:

@@ -9,17 +9,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.errors import PatternError, suggest
+from flexscale import checks
+from flexscale.checks import Check, checked, instance, length, number
+from flexscale.errors import PatternError, shown, suggest
 from flexscale.patterns.cell import TiledCell, build_cell
-from flexscale.patterns.material import PETG, TPU, NeoHookean
+from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
+from flexscale.patterns.names import pattern_name
+from flexscale.patterns.polygons import lattice_vector, polygons
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
 from flexscale.tilings.drawn_symmetry import drawn_symmetry, primitive_cell
 from flexscale.tilings.wallpaper import DrawnSymmetry
-from flexscale.units import require_positive, require_range
+from flexscale.units import AREAS, LENGTHS, require_range
 
 CUSTOM = "custom"
+#: Checks of what both constructors take.
+_OF_SCALES: dict[str, Check] = {
+    "gap": length(),
+    "scale_height": length(),
+    "substrate_thickness": length(),
+    "bond_radius": number("mm", 0.0, LENGTHS[1]),
+    "scale_material": checks.MATERIAL,
+    "substrate_material": checks.MATERIAL,
+    "name": pattern_name,
+}
 
 
 class Pattern:
@@ -70,6 +84,14 @@ class Pattern:
     _given: tuple[tuple[FloatArray, ...], FloatArray]
     _given_bond_radius: float | None
 
+    @checked(
+        tiling=instance(
+            "flexscale.tilings.tiling:Tiling",
+            "write Pattern(Tiling('IH76')), or Pattern.from_polygons for your own polygons",
+        ),
+        tile_area=number("mm²", *AREAS, above=0.0),
+        **_OF_SCALES,
+    )
     def __init__(
         self,
         tiling: Tiling,
@@ -83,20 +105,16 @@ class Pattern:
         substrate_material: NeoHookean = TPU,
         name: str | None = None,
     ) -> None:
-        if not isinstance(tiling, Tiling):
-            raise PatternError(
-                f"A pattern needs a Tiling, not {tiling!r}: write Pattern(Tiling('IH76')), or "
-                "Pattern.from_polygons for your own polygons."
-            )
-        factor = np.sqrt(require_positive(tile_area, "tile area", "mm²"))
+        factor = np.sqrt(tile_area)
         # As drawn, the tiling of a type may repeat itself within the type's own cell.
         tiles, lattice = primitive_cell(tiling.tiles, tiling.lattice)
         cell = build_cell([factor * tile for tile in tiles], *(factor * lattice))
         sizes = (gap, scale_height, substrate_thickness, bond_radius)
         self._fill(cell, name or tiling.pattern_name, sizes, scale_material, substrate_material)
-        self._set(family=tiling.family, tiling=tiling, tile_area=float(tile_area))
+        self._set(family=tiling.family, tiling=tiling, tile_area=tile_area)
 
     @classmethod
+    @checked(tiles=polygons, t1=lattice_vector, t2=lattice_vector, **_OF_SCALES)
     def from_polygons(
         cls,
         tiles: Sequence[ArrayLike],
@@ -138,17 +156,12 @@ class Pattern:
         substrate_material: NeoHookean,
     ) -> None:
         gap, scale_height, substrate_thickness, bond_radius = sizes
-        for material in (scale_material, substrate_material):
-            if not isinstance(material, NeoHookean):
-                raise PatternError(f"A material must be a NeoHookean, not {material!r}.")
-        gap = require_positive(gap, "gap", "mm")
-        substrate_thickness = require_positive(substrate_thickness, "substrate thickness", "mm")
         spread = _bond_radius(bond_radius, substrate_thickness, cell)
         prototiles, copies = find_prototiles(cell, gap)
         self._set(
-            name=str(name),
+            name=name,
             gap=gap,
-            scale_height=require_positive(scale_height, "scale height", "mm"),
+            scale_height=scale_height,
             substrate_thickness=substrate_thickness,
             bond_radius=spread,
             _given_bond_radius=None if bond_radius is None else spread,
@@ -156,12 +169,15 @@ class Pattern:
             substrate_material=substrate_material,
             tiles=cell.tiles,
             lattice=cell.lattice,
-            tile_area=float(np.linalg.det(cell.lattice)) / len(cell.tiles),
+            tile_area=require_range(
+                float(np.linalg.det(cell.lattice)) / len(cell.tiles), "tile area", "mm²", *AREAS
+            ),
             prototiles=prototiles,
             copies=copies,
         )
         for array in (cell.lattice, *cell.tiles):
             array.setflags(write=False)
+        warn_of_soft_scales(scale_material, substrate_material)
 
     def _set(self, **values: Any) -> None:
         for key, value in values.items():
@@ -234,6 +250,8 @@ class Pattern:
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Pattern:
         """Rebuild what `to_config` describes; sizes and materials left out take their defaults."""
+        if not isinstance(config, Mapping):
+            raise PatternError(f"A pattern's configuration must be a dict, not {shown(config)}.")
         values = dict(config)
         family = values.pop("family", CUSTOM)
         of_family = {"parameters", "edges", "tile_area"}
@@ -253,7 +271,7 @@ class Pattern:
         if not shape <= values.keys():
             raise PatternError("A custom pattern needs the keys 'tiles' and 'lattice'.")
         tiles, lattice = values.pop("tiles"), values.pop("lattice")
-        if len(lattice) != 2:
+        if not isinstance(lattice, list | tuple | np.ndarray) or len(lattice) != 2:
             raise PatternError("The key 'lattice' of a custom pattern must hold two vectors in mm.")
         return cls.from_polygons(tiles, *lattice, **values)
 
@@ -288,6 +306,6 @@ def _material(key: str, given: Any) -> NeoHookean:
     if not isinstance(given, Mapping) or set(given) != {"young_modulus", "poisson_ratio"}:
         raise PatternError(
             f"{key} must have exactly the keys 'young_modulus' (MPa) and 'poisson_ratio', "
-            f"not {given!r}."
+            f"not {shown(given)}."
         )
     return NeoHookean(**given)

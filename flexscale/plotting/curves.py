@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from flexscale.checks import DATASET, checked, text
+from flexscale.errors import SchemaError, shown
 from flexscale.plotting.fits import fitted_curve, require_fitted
 from flexscale.plotting.selection import (
     pick_sides,
@@ -36,6 +38,7 @@ FAILED_NOTE = "× at the upper rim: sample not converged, left out of the curve"
 _MAX_MARKERS = 13
 
 
+@checked(sweep=DATASET, variable=text, fit=DATASET)
 def curves(
     sweep: xr.Dataset,
     directions: float | Sequence[float] | None = None,
@@ -71,6 +74,11 @@ def curves(
         require_fitted(variable)
     needed = [variable, "direction", "curvature", "side"]
     require_variables(sweep, needed, f"A plot of {variable} over curvature")
+    if set(sweep[variable].dims) != {"side", "direction", "curvature"}:
+        raise SchemaError(
+            f"{variable} lies over {shown(sweep[variable].dims)}, and not over side, direction and "
+            "curvature: draw another variable of the sweep."
+        )
     shown_sides = pick_sides(sweep, sides)
     if directions is None:
         directions = _computed_directions(sweep)

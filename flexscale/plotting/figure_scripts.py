@@ -10,6 +10,7 @@ findings(inputs) : sentences on what the datasets show of that, with numbers com
 from __future__ import annotations
 
 import importlib.util
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -65,7 +66,7 @@ def find_scripts(folder: Path, names: Sequence[str] = ()) -> list[FigureScript]:
 
     Parameters
     ----------
-    names : file stems, or the part before the first underscore ("fig07").
+    names : file stems, or the part before the first underscore, "fig07" or "fig7".
 
     Raises
     ------
@@ -75,7 +76,9 @@ def find_scripts(folder: Path, names: Sequence[str] = ()) -> list[FigureScript]:
     paths = sorted(path for path in folder.glob("fig*.py"))
     chosen = []
     for name in names:
-        fitting = [path for path in paths if name in (path.stem, path.stem.split("_")[0])]
+        number = re.fullmatch(r"fig0*(\d{1,2})", name, re.IGNORECASE)
+        meant = f"fig{int(number[1]):02d}" if number else name
+        fitting = [path for path in paths if meant in (path.stem, path.stem.split("_")[0])]
         if not fitting:
             known = [path.stem for path in paths]
             raise UnknownNameError(f"There is no figure '{name}'. {suggest(name, known)}")

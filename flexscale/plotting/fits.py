@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
+from flexscale.checks import DATASET, checked, number
 from flexscale.datasets.fit_values import (
     PARAMETERS,
     FloatArray,
@@ -62,6 +63,7 @@ _NEEDED = (
 )
 
 
+@checked(model=DATASET, sweep=DATASET, direction=number("degree"))
 def fit(
     model: xr.Dataset, sweep: xr.Dataset | None = None, *, direction: float | None = None
 ) -> Figure:

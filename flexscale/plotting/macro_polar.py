@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 
+from flexscale.checks import DATASET, checked
 from flexscale.datasets.fit_values import FloatArray, fit_parameters, two_regime_moment
 from flexscale.plotting.polar import moment_curves
 from flexscale.plotting.polar_axes import (
@@ -35,6 +36,7 @@ _DENSE = np.arange(0.0, 180.0, 0.5)  # degree
 _NEEDED = ("cos_coefficient", "sin_coefficient", "softening")
 
 
+@checked(model=DATASET, sweep=DATASET)
 def macro_polar(
     model: xr.Dataset,
     sweep: xr.Dataset,

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from flexscale.checks import DATASET, checked, text
 from flexscale.errors import BadInputError
 from flexscale.plotting.polar_axes import (
     PolarCurve,
@@ -40,6 +41,7 @@ from flexscale.plotting.style import (
 _MAX_DOTS = 24
 
 
+@checked(sweep=DATASET)
 def polar(
     sweep: xr.Dataset,
     side: str | Sequence[str] = "closing",
@@ -183,9 +185,12 @@ def _labelled(
         return {subject(tangent) or "a(θ)": tangent}
     labelled: dict[str, xr.Dataset] = {}
     if isinstance(tangent, Mapping):
-        labelled.update(cast("Mapping[str, xr.Dataset]", tangent))
+        named = cast("Mapping[str, xr.Dataset]", tangent)
+        labelled.update({text(k, "label"): DATASET(v, "tangent") for k, v in named.items()})
     else:
-        for index, dataset in enumerate(tangent):
+        several = tangent if isinstance(tangent, list | tuple) else [tangent]
+        for index, dataset in enumerate(several):
+            DATASET(dataset, "tangent")
             label = subject(dataset) or f"dataset {index + 1}"
             labelled[label if label not in labelled else f"{label} ({index + 1})"] = dataset
     if not labelled:

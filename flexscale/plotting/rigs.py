@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
+from flexscale.checks import DATASET, checked
 from flexscale.errors import SchemaError
 from flexscale.plotting.polar_axes import polar_axes, set_radius
 from flexscale.plotting.selection import pick_sides, require_variables, subject
@@ -36,6 +37,7 @@ _NEEDED = {
 }
 
 
+@checked(tests=DATASET)
 def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
     """Forces on the testing devices: around the mandrel, and against the stage's shortening.
 

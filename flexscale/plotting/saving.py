@@ -10,6 +10,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from flexscale.checks import checked, instance, path, text
 from flexscale.errors import BadInputError
 from flexscale.plotting.style import flexscale_style
 
@@ -20,6 +21,9 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
+@checked(
+    figure=instance("matplotlib.figure:Figure", "draw one with fs.plot"), folder=path, stem=text
+)
 def save_figure(
     figure: Figure,
     folder: str | Path,

@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from flexscale.checks import checked, instance, point
 from flexscale.plotting.raster import Surfaces, View
 from flexscale.plotting.scene import draw_panel, draw_ruler, half_window
 from flexscale.plotting.style import (
@@ -43,6 +44,12 @@ class SurfacesOfScales(Protocol):
     def title(self) -> str: ...
 
 
+@checked(
+    shape=instance(
+        "flexscale.synthesis.scaled_sheet:ScaledSheet", "make one with fs.synthesize_scales"
+    ),
+    view=point("degree"),
+)
 def scaled_sheet(shape: SurfacesOfScales, *, view: tuple[float, float] = _VIEW) -> Figure:
     """Deformed sheet with its scales in 3-D; scales that overlap stand out.
 

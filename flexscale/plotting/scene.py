@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from flexscale.checks import DATASET, checked, point, whole
 from flexscale.errors import BadInputError
 from flexscale.plotting.cell_geometry import (
     SHAPE_VARIABLES,
@@ -34,6 +35,7 @@ from flexscale.plotting.style import (
     new_figure,
     unit_text,
 )
+from flexscale.units import require_series, require_whole
 
 # Camera beside the cylinder's axis: the arc is seen from its end, the scales from above.
 BESIDE_AXIS = -62.0  # degree from the bending direction
@@ -42,6 +44,7 @@ _PIXELS_PER_INCH = 300.0
 _MAX_PANELS = 4
 
 
+@checked(shape=DATASET, n_cells=whole(1, 100, "n_cells"), view=point("degree"))
 def cell(
     shape: xr.Dataset,
     samples: int | Sequence[int] | None = None,
@@ -124,7 +127,8 @@ def _pick_samples(shape: xr.Dataset, samples: int | Sequence[int] | None) -> lis
     n_samples = shape.sizes["sample"]
     if samples is None:
         return list(range(min(n_samples, _MAX_PANELS)))
-    chosen = [int(sample) for sample in np.atleast_1d(samples)]
+    asked = require_series(samples, "samples", "1")
+    chosen = [require_whole(sample, "sample", -n_samples, n_samples) for sample in asked]
     bad = [sample for sample in chosen if not -n_samples <= sample < n_samples]
     if bad or not chosen or len(chosen) > _MAX_PANELS:
         listed = "; ".join(f"{i}: {sample_title(shape, i)}" for i in range(min(n_samples, 12)))

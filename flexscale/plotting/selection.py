@@ -7,26 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from flexscale.errors import BadInputError, SchemaError, UnknownNameError, suggest
+from flexscale.checks import choices
+from flexscale.datasets.given import require_variables as require_variables
+from flexscale.errors import BadInputError
 from flexscale.plotting.style import unit_text
+from flexscale.units import require_series
 
 SIDES = ("closing", "opening")
-
-
-def require_variables(dataset: xr.Dataset, names: Sequence[str], what: str) -> None:
-    """Refuse a dataset that lacks variables or coordinates a figure needs.
-
-    Raises
-    ------
-    SchemaError : a name is missing.
-    """
-    missing = [name for name in names if name not in dataset.variables]
-    if missing:
-        present = ", ".join(sorted(str(name) for name in dataset.variables)) or "nothing"
-        raise SchemaError(
-            f"{what} needs {', '.join(missing)}, which this dataset does not have "
-            f"(it has {present}); give it a dataset of the right kind."
-        )
 
 
 def pick_sides(dataset: xr.Dataset, sides: str | Sequence[str] | None) -> list[str]:
@@ -39,13 +26,7 @@ def pick_sides(dataset: xr.Dataset, sides: str | Sequence[str] | None) -> list[s
     present = [str(side) for side in np.atleast_1d(dataset["side"].values)]
     if sides is None:
         return [side for side in SIDES if side in present]
-    wanted = [sides] if isinstance(sides, str) else list(sides)
-    for side in wanted:
-        if side not in present:
-            raise UnknownNameError(
-                f"The sweep has no side '{side}'. {suggest(side, present)}",
-            )
-    return wanted
+    return list(choices("side in this dataset", present)(sides, "sides"))
 
 
 def pick_values(
@@ -84,17 +65,13 @@ def pick_values(
     half_step = 0.5 * np.min(np.diff(samples)) if len(samples) > 1 else 0.0
     tolerance = max(half_step, 1e-9) * (1.0 + 1e-9)
     indices = []
-    for value in np.atleast_1d(np.asarray(wanted, dtype=float)):
+    units = str(coordinate.attrs.get("units", ""))
+    for value in require_series(wanted, f"{coordinate.name} to draw", units):
         index = int(np.argmin(np.abs(samples - value)))
         if not abs(samples[index] - value) <= tolerance:
             raise BadInputError(_between_samples(coordinate, samples, value))
         if index not in indices:
             indices.append(index)
-    if not indices:
-        raise BadInputError(
-            f"No {coordinate.name} was asked for: give at least one, or none to let the figure "
-            "choose."
-        )
     return np.asarray(indices)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
+from flexscale.checks import DATASET, checked
 from flexscale.plotting.selection import pick_sides, require_variables, subject
 from flexscale.plotting.side_curves import draw_side_curves
 from flexscale.plotting.style import (
@@ -20,6 +21,7 @@ from flexscale.plotting.style import (
 )
 
 
+@checked(bent=DATASET)
 def sheet(bent: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
     """Energy of a sheet against the curvature of its strips.
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 
+from flexscale.checks import DATASET, checked
 from flexscale.errors import MissingDataError
 from flexscale.plotting.polar_axes import (
     PolarCurve,
@@ -40,6 +41,7 @@ _LAW_NOTE = "thin lines without marks: the model bent to the cylinder everywhere
 _NEEDED = ["energy_density", "law_energy_density", "status", "variant", "side", "direction"]
 
 
+@checked(turned=DATASET, sweep=DATASET)
 def turned_sheet(
     turned: xr.Dataset, sweep: xr.Dataset, sides: str | Sequence[str] | None = None
 ) -> Figure:

@@ -159,6 +159,8 @@ def _address(array: np.ndarray, kind: Any) -> Any:
     return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
+#: What a user may ask for.
+LINEAR_SOLVERS = ("auto", "pardiso", "superlu")
 _BACKENDS: dict[str, type[PardisoFactorization] | type[SuperLuFactorization]] = {
     "pardiso": PardisoFactorization,
     "superlu": SuperLuFactorization,

@@ -16,11 +16,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from flexscale.errors import ConfigError, suggest
+from flexscale.checks import checked, choice, number, whole
 from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, FloatArray
+from flexscale.solve.linear import LINEAR_SOLVERS
 from flexscale.solve.negative_modes import System, negative_modes
 from flexscale.status import SolveStatus
-from flexscale.units import require_positive
 
 CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
 _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned aside not shortened
@@ -34,6 +34,14 @@ NOT_IN_EXPERIMENTS = {"experiment": False}  # of a field: the machine's and the 
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 
 
+@checked(
+    constraint=choice("constraint method", CONSTRAINT_METHODS),
+    tolerance=number("1", 1e-15, 1.0, above=0.0, name="solver tolerance"),
+    max_iterations=whole(1, 100_000, "solver option max_iterations"),
+    penalty=number("N/mm", 1e-6, 1e9, above=0.0, name="solver option penalty"),
+    linear_solver=choice("linear solver", LINEAR_SOLVERS),
+    time_limit=number("s", 1e-3, 1e9, above=0.0, name="solver option time_limit"),
+)
 @dataclass(frozen=True)
 class SolverOptions:
     """How an equilibrium is sought.
@@ -57,17 +65,6 @@ class SolverOptions:
     linear_solver: str = field(default="auto", metadata=NOT_IN_EXPERIMENTS)
     time_limit: float = TIME_LIMIT
     deadline: float = field(default=np.inf, repr=False, compare=False, metadata=NOT_IN_EXPERIMENTS)
-
-    def __post_init__(self) -> None:
-        if self.constraint not in CONSTRAINT_METHODS:
-            raise ConfigError(
-                f"There is no constraint method '{self.constraint}'. "
-                f"{suggest(self.constraint, CONSTRAINT_METHODS)}"
-            )
-        require_positive(self.tolerance, "solver tolerance", "1")
-        require_positive(self.max_iterations, "max_iterations", "1")
-        require_positive(self.penalty, "penalty", "N/mm")
-        require_positive(self.time_limit, "time_limit", "s")
 
     def to_config(self) -> dict[str, Any]:
         """Plain numbers and text, what results depend on: the usual time limit is left out, since

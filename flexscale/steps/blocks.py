@@ -5,26 +5,32 @@ Defaults that belong to a class of a lower floor are taken from its signature, n
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import itertools
+from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
-from flexscale.errors import UnknownNameError, suggest
+from flexscale.errors import UnknownNameError, shown, suggest
 from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.named import find_named_pattern
 from flexscale.patterns.pattern import Pattern
-from flexscale.steps.quantities import declared, series, unit
+from flexscale.steps.quantities import declared, series, several, unit, within
+from flexscale.units import MODULI, RATIOS, require_length
 
 Length = Annotated[float, unit("mm")]
+#: A length of something, which is positive; other lengths are places.
+Size = Annotated[float, unit("mm"), within(require_length, "a length")]
 Area = Annotated[float, unit("mm2")]
 Curvature = Annotated[float, unit("mm-1")]
 Modulus = Annotated[float, unit("MPa")]
 Direction = Annotated[float, unit("degree")]
 DoubleBending = Annotated[float, unit("N mm3")]
 Number = Annotated[float, unit("1")]
+Numbers = Annotated[tuple[Number, ...], series("1")]
 Lengths = Annotated[tuple[Length, ...], series("mm")]
 Directions = Annotated[tuple[Direction, ...], series("degree")]
 Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
@@ -47,7 +53,7 @@ class Block(BaseModel):
                     raise PydanticCustomError(
                         "unknown_key",
                         "there is no key {key}. {hint}",
-                        {"key": repr(key), "hint": suggest(key, cls.model_fields)},
+                        {"key": shown(key), "hint": suggest(key, cls.model_fields)},
                     )
         return data
 
@@ -79,7 +85,7 @@ def _once_each(sides: tuple[str, ...]) -> tuple[str, ...]:
     return sides
 
 
-Sides = Annotated[tuple[Side, ...], AfterValidator(_once_each)]
+Sides = Annotated[tuple[Side, ...], several, AfterValidator(_once_each)]
 BendingDirections = Annotated[Directions, AfterValidator(_within_half_turn)]
 
 
@@ -87,29 +93,49 @@ def _default(owner: type, name: str) -> Any:
     return inspect.signature(owner).parameters[name].default
 
 
-def _material(value: Any) -> Any:
-    """A material may be given by name; a name stands for its constants."""
+def _material(value: Any, default: NeoHookean) -> Any:
+    """A material may be given by name; a constant that is left out is that of the default."""
     if isinstance(value, str):
         if value not in MATERIALS:
             raise PydanticCustomError(
                 "unknown_material",
                 "there is no material {name}. {hint}",
-                {"name": repr(value), "hint": suggest(value, MATERIALS)},
+                {"name": shown(value), "hint": suggest(value, MATERIALS)},
             )
         value = MATERIALS[value]
     if isinstance(value, NeoHookean):
-        return {"young_modulus": value.young_modulus, "poisson_ratio": value.poisson_ratio}
+        return dataclasses.asdict(value)
+    if isinstance(value, dict):
+        given = {key: item for key, item in value.items() if item is not None}
+        return dataclasses.asdict(default) | given
     return value
 
 
 class MaterialBlock(Block):
     """Neo-Hookean material."""
 
-    young_modulus: Modulus = declared(..., "Young's modulus", gt=0.0)
-    poisson_ratio: Number = declared(..., "Poisson ratio", gt=-1.0, lt=0.5)
+    young_modulus: Modulus | None = declared(
+        None,
+        "Young's modulus, that of the default material if left out",
+        ge=MODULI[0],
+        le=MODULI[1],
+    )
+    poisson_ratio: Number | None = declared(
+        None,
+        "Poisson ratio, that of the default material if left out",
+        ge=RATIOS[0],
+        le=RATIOS[1],
+    )
 
 
-Material = Annotated[MaterialBlock, BeforeValidator(_material)]
+ScaleMaterial = Annotated[
+    MaterialBlock,
+    BeforeValidator(partial(_material, default=_default(Pattern, "scale_material"))),
+]
+SubstrateMaterial = Annotated[
+    MaterialBlock,
+    BeforeValidator(partial(_material, default=_default(Pattern, "substrate_material"))),
+]
 Point = tuple[Length, Length]
 CurvePoint = tuple[Number, Number]
 #: What a name of the catalog stands for.
@@ -124,7 +150,7 @@ class PatternBlock(Block):
 
     named: str | None = declared(None, "pattern of the catalog, such as pinwheel3")
     family: str | None = declared(None, "isohedral tiling family, such as IH20")
-    parameters: tuple[Number, ...] | None = declared(None, "free shape parameters of the family")
+    parameters: Numbers | None = declared(None, "free shape parameters of the family")
     edges: dict[str, tuple[CurvePoint, ...]] | None = declared(
         None, "curve of an edge class of the family, points from (0, 0) to (1, 0)"
     )
@@ -137,18 +163,18 @@ class PatternBlock(Block):
         None, "polygons of one cell instead of a family, each a list of corners"
     )
     lattice: tuple[Point, Point] | None = declared(None, "the two lattice vectors of `tiles`")
-    gap: Length = declared(_default(Pattern, "gap"), "gap between neighboring scales", gt=0.0)
-    scale_height: Length = declared(_default(Pattern, "scale_height"), "scale height", gt=0.0)
-    substrate_thickness: Length = declared(
+    gap: Size = declared(_default(Pattern, "gap"), "gap between neighboring scales", gt=0.0)
+    scale_height: Size = declared(_default(Pattern, "scale_height"), "scale height", gt=0.0)
+    substrate_thickness: Size = declared(
         _default(Pattern, "substrate_thickness"), "substrate thickness", gt=0.0
     )
     bond_radius: Length | None = declared(
         None, "how far a scale's outline grips the sheet, 2 substrate_thickness if left out", ge=0.0
     )
-    scale_material: Material = declared(
+    scale_material: ScaleMaterial = declared(
         _default(Pattern, "scale_material"), "material of the scales, or PETG or TPU"
     )
-    substrate_material: Material = declared(
+    substrate_material: SubstrateMaterial = declared(
         _default(Pattern, "substrate_material"), "material of the substrate, or PETG or TPU"
     )
 

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-import yaml
 from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from flexscale.errors import BadInputError, ConfigError, UnitRangeError
+from flexscale.errors import (
+    BadInputError,
+    ConfigError,
+    MeshError,
+    PatternError,
+    UnitRangeError,
+    shown,
+)
 from flexscale.homogenize.finite_options import require_finite_options
 from flexscale.macro.polar import Variant
 from flexscale.macro.samples import require_axes
@@ -18,7 +24,9 @@ from flexscale.macro.uniaxial import Weighting
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.mesh.estimate import require_moderate_mesh, require_moderate_sheet
 from flexscale.mesh.options import MeshOptions
+from flexscale.patterns.names import pattern_name
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import (
@@ -35,7 +43,7 @@ from flexscale.steps.blocks import (
     increasing,
 )
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
-from flexscale.steps.quantities import declared
+from flexscale.steps.quantities import declared, several
 from flexscale.steps.sheet_blocks import (
     NativeRigBlock,
     NativeSheetBlock,
@@ -43,6 +51,7 @@ from flexscale.steps.sheet_blocks import (
     SheetBlock,
     TurnedSheetBlock,
 )
+from flexscale.steps.yaml_file import read_yaml
 
 FigureName = Literal[
     "polar",
@@ -58,6 +67,7 @@ FigureName = Literal[
     "rig",
     "native_rig",
 ]
+_MOST_MISTAKES = 20  # of a file, told at once
 #: Blocks a figure needs.
 _FIGURE_BLOCKS = {
     "polar": "sweep",
@@ -101,7 +111,9 @@ class TangentBlock(Block):
     """Bending stiffness of the flat sheet."""
 
     directions: Directions = declared(
-        tuple(1.5 * index for index in range(120)), "directions at which a is tabulated"
+        tuple(1.5 * index for index in range(120)),
+        "directions at which a is tabulated",
+        min_length=1,
     )
 
     @field_validator("directions")
@@ -156,7 +168,9 @@ class Experiment(Block):
     native_rig: NativeRigBlock | None = declared(
         None, "the scales themselves on the stage; {} for defaults, which take hours"
     )
-    figures: tuple[FigureName, ...] = declared((), "figures to draw for each pattern")
+    figures: Annotated[tuple[FigureName, ...], several] = declared(
+        (), "figures to draw for each pattern"
+    )
 
     @field_validator("patterns")
     @classmethod
@@ -165,14 +179,22 @@ class Experiment(Block):
     ) -> dict[str, PatternBlock]:
         if not patterns:
             raise PydanticCustomError("empty", "an experiment needs at least one pattern", {})
-        for name in patterns:
-            if not name.replace("-", "").replace("_", "").isalnum():
-                raise PydanticCustomError(
-                    "name",
-                    "the pattern name {name} names files: use letters, digits, - and _ only",
-                    {"name": repr(name)},
-                )
-        return patterns
+        named: dict[str, PatternBlock] = {}
+        for given, block in patterns.items():
+            try:
+                name = pattern_name(given)
+            except PatternError as error:
+                raise PydanticCustomError("name", "{said}", {"said": str(error)}) from error
+            for other in named:
+                if other.casefold() == name.casefold():
+                    raise PydanticCustomError(
+                        "name",
+                        "the patterns {first} and {second} would share their files where file "
+                        "systems do not tell cases apart: call one of them otherwise",
+                        {"first": repr(other), "second": repr(name)},
+                    )
+            named[name] = block
+        return named
 
     @model_validator(mode="after")
     def _figures_have_data(self) -> Self:
@@ -236,7 +258,17 @@ class Experiment(Block):
             except BadInputError as error:
                 raise type(error)(f"patterns.{name}: {error}") from error
             self._refuse_folds(built[name])
+            self._refuse_large_meshes(built[name])
         return built
+
+    def _refuse_large_meshes(self, pattern: Pattern) -> None:
+        try:
+            require_moderate_mesh(pattern, self.mesh)
+            for block in (self.native_sheet, self.native_rig):
+                if block is not None:
+                    require_moderate_sheet(pattern, self.mesh, block.length, block.width)
+        except MeshError as error:
+            raise MeshError(f"patterns.{pattern.name}: {error}") from error
 
     def _refuse_folds(self, pattern: Pattern) -> None:
         closing = [shape.curvature for shape in self.shapes if shape.side == "closing"]
@@ -249,24 +281,6 @@ class Experiment(Block):
                 f"center lies inside the scales, which are {pattern.scale_height:g} mm high: stay "
                 f"below {limit:g} mm-1."
             )
-
-
-class _Loader(yaml.SafeLoader):
-    """YAML that refuses a key given twice instead of keeping the last one."""
-
-
-def _mapping_without_repeats(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
-    mapping: dict[Any, Any] = {}
-    for key_node, value_node in node.value:
-        key = loader.construct_object(key_node, deep=True)
-        if key in mapping:
-            line = key_node.start_mark.line + 1
-            raise ConfigError(f"line {line}: the key {key!r} is given twice: keep one of them.")
-        mapping[key] = loader.construct_object(value_node, deep=True)
-    return mapping
-
-
-_Loader.add_constructor("tag:yaml.org,2002:map", _mapping_without_repeats)
 
 
 def parse_experiment(content: Any, where: str) -> Experiment:
@@ -288,7 +302,10 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     try:
         return Experiment.model_validate(content)
     except ValidationError as error:
-        lines = [f"{where}: {_sentence(dict(item))}" for item in error.errors()]
+        mistakes = error.errors(include_url=False, include_context=False)
+        lines = [f"{where}: {_sentence(dict(item))}" for item in mistakes[:_MOST_MISTAKES]]
+        if len(mistakes) > _MOST_MISTAKES:
+            lines.append(f"{where}: and {len(mistakes) - _MOST_MISTAKES} more mistakes.")
         raise ConfigError("\n".join(lines)) from error
     except BadInputError as error:  # options and fits check themselves
         raise type(error)(f"{where}: {error}") from error
@@ -301,24 +318,16 @@ def load_experiment(path: Path) -> Experiment:
     ------
     ConfigError : the file cannot be read, is no YAML, or says something that is not allowed.
     """
-    try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be read: {error.strerror}.") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = " ".join(str(error).split())
-        raise ConfigError(f"{path} is not readable YAML: {reason}.") from error
-    except ConfigError as error:
-        raise ConfigError(f"{path}: {error}") from error
-    return parse_experiment(content, str(path))
+    return parse_experiment(read_yaml(path), str(path))
 
 
 def _sentence(item: dict[str, Any]) -> str:
-    place = ".".join(str(part) for part in item["loc"]) or "top level"
+    parts = (str(part) if isinstance(part, int) else shown(part)[1:-1] for part in item["loc"])
+    place = ".".join(parts) or "top level"
     message = str(item["msg"])
     given = item.get("input")
-    said = isinstance(given, int | float | str) and repr(given) not in message
-    # A missing key and an unknown key need no value: their message holds the key.
-    if said and item["type"] not in ("missing", "unknown_key"):
-        message += f", not {given!r}"
+    said = isinstance(given, int | float | str) and shown(given) not in message
+    # Where the message holds the value or the key already, it is not told again.
+    if said and item["type"] not in ("missing", "unknown_key", "bounds"):
+        message += f", not {shown(given)}"
     return f"{place}: {message.rstrip('.')}."

@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple, Protocol
 from pydantic import BeforeValidator, PlainSerializer
 from pydantic_core import PydanticCustomError
 
-from flexscale.errors import suggest
+from flexscale.errors import shown, suggest
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -59,20 +59,29 @@ def option_fields(options: type[Options]) -> list[OptionField]:
 
 
 def _read(options: type[Options], value: Any) -> Any:
-    if not isinstance(value, dict):
+    """The options that a mapping names; they check themselves, as they do in Python."""
+    if isinstance(value, options):
         return value
+    if not isinstance(value, dict):
+        raise PydanticCustomError(
+            "options", "a mapping of options is needed, not {given}", {"given": shown(value)}
+        )
     fields = {field.name: field for field in option_fields(options)}
     for key in value:
         if key not in fields:
             raise PydanticCustomError(
                 "unknown_key",
                 "there is no key {key}. {hint}",
-                {"key": repr(key), "hint": suggest(key, fields)},
+                {"key": shown(key), "hint": suggest(key, fields)},
             )
-    return {
-        key: Quantity(fields[key].unit).read(item) if fields[key].unit else item
-        for key, item in value.items()
-    }
+    return options(**{key: _value(fields[key], item) for key, item in value.items()})
+
+
+def _value(field: OptionField, given: Any) -> Any:
+    """A number with its unit, where the option is a number."""
+    if isinstance(field.default, bool) or not isinstance(field.default, int | float):
+        return given
+    return Quantity(field.unit or "1").read(given)
 
 
 _as_config = PlainSerializer(lambda options: options.to_config())

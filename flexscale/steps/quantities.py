@@ -1,15 +1,23 @@
-"""Values with units in experiment files: a number in our unit, or text such as '0.4 mm'."""
+"""Values with units in experiment files: a number in our unit, or text such as '0.4 mm'.
+
+One value where a series may stand is a series of one, as everywhere.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
 import re
+import unicodedata
+from collections.abc import Callable
 from typing import Any, NamedTuple, get_args
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
+
+from flexscale.errors import BadInputError, shown
+from flexscale.units import MOST_VALUES
 
 #: Our unit -> every accepted spelling and what to multiply with to get to our unit.
 UNITS: dict[str, dict[str, float]] = {
@@ -32,7 +40,6 @@ UNITS: dict[str, dict[str, float]] = {
     "degree": {"degree": 1.0, "degrees": 1.0, "deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},
 }
 
-_MOST_VALUES = 10_000
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 
 
@@ -47,13 +54,13 @@ class Quantity(NamedTuple):
             raise _refuse(value, self.unit)
         if not isinstance(value, str):
             return value
-        match = _NUMBER.fullmatch(value)
+        match = _NUMBER.fullmatch(_plain(value))
         if match is None:
             raise _refuse(value, self.unit)
         number, unit = match.groups()
         if not unit:
             return float(number)
-        factor = UNITS.get(self.unit, {}).get(unit)
+        factor = _PLAIN_UNITS.get(self.unit, {}).get(unit)
         if factor is None:
             raise _refuse(value, self.unit)
         # Division is exact where the factor's inverse is a whole number: 400 um is 0.4 mm.
@@ -62,7 +69,13 @@ class Quantity(NamedTuple):
         return float(number) / inverse if exact else float(number) * factor
 
     def expand(self, value: Any) -> Any:
-        """List of numbers from {start, stop, step}; anything else is left to pydantic."""
+        """List of numbers from {start, stop, step} or from a single one; else left to pydantic."""
+        if isinstance(value, str | int | float):
+            return [value]
+        if isinstance(value, list | tuple) and len(value) > MOST_VALUES:
+            raise PydanticCustomError(
+                "series", "at most {most} values, not {n}", {"most": MOST_VALUES, "n": len(value)}
+            )
         if not isinstance(value, dict):
             return value
         if set(value) != {"start", "stop", "step"}:
@@ -70,16 +83,35 @@ class Quantity(NamedTuple):
                 "series", "a range has exactly the keys start, stop (not included) and step", {}
             )
         start, stop, step = (self.read(value[key]) for key in ("start", "stop", "step"))
-        numbers = all(isinstance(number, int | float) for number in (start, stop, step))
-        if not numbers or step <= 0.0 or stop <= start or (stop - start) / step > _MOST_VALUES:
+        if not all(map(_is_finite, (start, stop, step))) or not (
+            step > 0.0 and 0.0 < (stop - start) / step <= MOST_VALUES
+        ):
             raise PydanticCustomError(
                 "series",
                 "a range needs step > 0, stop > start and at most {most} values",
-                {"most": _MOST_VALUES},
+                {"most": MOST_VALUES},
             )
         # A little short of `stop`, so that rounding never adds it; 12 digits keep 0.0015 itself.
         count = math.ceil((stop - start) / step - 1e-9)
         return [float(f"{start + index * step:.12g}") for index in range(count)]
+
+
+def _plain(text: str) -> str:
+    """A text as a keyboard without accents, raised digits and Greek letters of its own has it."""
+    return unicodedata.normalize("NFKC", text).replace("\N{MINUS SIGN}", "-")
+
+
+_PLAIN_UNITS = {
+    unit: {_plain(spelling): factor for spelling, factor in spellings.items()}
+    for unit, spellings in UNITS.items()
+}
+
+
+def _is_finite(number: Any) -> bool:
+    try:
+        return isinstance(number, int | float) and math.isfinite(number)
+    except OverflowError:  # an integer larger than any float
+        return False
 
 
 def _refuse(value: Any, unit: str) -> PydanticCustomError:
@@ -88,13 +120,35 @@ def _refuse(value: Any, unit: str) -> PydanticCustomError:
         "quantity",
         "{value} is not a value in {unit}: write a plain number, or a number and one of the "
         "units {known}",
-        {"value": repr(value), "unit": unit, "known": known},
+        {"value": shown(value), "unit": unit, "known": known},
     )
 
 
 def unit(name: str) -> BeforeValidator:
     """Marker for `Annotated[float, unit("mm")]`: accepts 0.4 and '0.4 mm'."""
     return BeforeValidator(Quantity(name).read)
+
+
+def within(check: Callable[[float, str], object], what: str) -> AfterValidator:
+    """Marker for what a check of the package takes: bounds and their sentences are written once.
+
+    Parameters
+    ----------
+    check : takes a value and what it is, and raises BadInputError.
+    what : "a length".
+    """
+
+    def validate(value: Any) -> Any:
+        try:
+            return check(value, what)
+        except BadInputError as error:
+            raise PydanticCustomError("bounds", "{said}", {"said": str(error)}) from error
+
+    return AfterValidator(validate)
+
+
+#: Marker for a list of names, or a single one.
+several = BeforeValidator(lambda value: [value] if isinstance(value, str) else value)
 
 
 def declared(default: Any, meaning: str, **bounds: Any) -> Any:
@@ -120,5 +174,5 @@ def unit_of(field: FieldInfo) -> str:
 
 
 def series(name: str) -> BeforeValidator:
-    """Marker for a tuple of values: a list, or {start, stop, step} without `stop` itself."""
+    """Marker for a tuple of values: a list, a single one, or {start, stop, step} without `stop`."""
     return BeforeValidator(Quantity(name).expand)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -21,6 +21,7 @@ from flexscale.macro.polar import Variant
 from flexscale.macro.rigs import RigOptions
 from flexscale.macro.rim import Rim
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
+from flexscale.mesh.sheet import require_moderate_triangles
 from flexscale.steps.blocks import (
     BendingDirections,
     Block,
@@ -28,12 +29,12 @@ from flexscale.steps.blocks import (
     Curvatures,
     Direction,
     Directions,
-    Length,
     Lengths,
     Sides,
+    Size,
     increasing,
 )
-from flexscale.steps.quantities import declared
+from flexscale.steps.quantities import declared, several
 
 BOTH = ("closing", "opening")
 
@@ -62,11 +63,17 @@ def _require_open(curvature: float, length: float) -> None:
         )
 
 
+def _require_moderate(place: str, length: float, width: float, size: float) -> None:
+    """Refuse a sheet [mm] of very many triangles."""
+    with _named(place):
+        require_moderate_triangles(2.0 * length * width / size**2, size)
+
+
 class NativeSheetBlock(Block):
     """A rectangular sheet of scales bent between end strips."""
 
-    length: Length = declared(100.0, "length, along which it is bent", gt=0.0)
-    width: Length = declared(50.0, "width", gt=0.0)
+    length: Size = declared(100.0, "length, along which it is bent", gt=0.0)
+    width: Size = declared(50.0, "width", gt=0.0)
     curvatures: Curvatures = declared(
         (0.0, 0.005, 0.01, 0.015, 0.02, 0.025), "curvatures, increasing", min_length=1
     )
@@ -91,7 +98,12 @@ class NativeSheetBlock(Block):
 class SheetBlock(NativeSheetBlock):
     """A rectangular sheet of the fit bent between end strips."""
 
-    size: Length = declared(5.0, "sides of the triangles", gt=0.0)
+    size: Size = declared(5.0, "sides of the triangles", gt=0.0)
+
+    @model_validator(mode="after")
+    def _not_too_fine(self) -> Self:
+        _require_moderate("sheet", self.length, self.width, self.size)
+        return self
 
 
 class TurnedSheetBlock(Block):
@@ -100,8 +112,8 @@ class TurnedSheetBlock(Block):
     Models are fitted to the sweep, one for each energy of a curvature tensor.
     """
 
-    length: Length = declared(100.0, "length, along which they are bent", gt=0.0)
-    width: Length = declared(50.0, "width", gt=0.0)
+    length: Size = declared(100.0, "length, along which they are bent", gt=0.0)
+    width: Size = declared(50.0, "width", gt=0.0)
     curvature: Curvature = declared(0.02, "curvature of the end strips", gt=0.0)
     directions: BendingDirections = declared(
         tuple(15.0 * index for index in range(12)),
@@ -109,10 +121,10 @@ class TurnedSheetBlock(Block):
         min_length=1,
     )
     sides: Sides = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
-    variants: tuple[Variant, ...] = declared(
+    variants: Annotated[tuple[Variant, ...], several] = declared(
         VARIANTS, "energies of a curvature tensor: tangent, paper", min_length=1
     )
-    size: Length = declared(5.0, "sides of the triangles", gt=0.0)
+    size: Size = declared(5.0, "sides of the triangles", gt=0.0)
 
     @field_validator("variants")
     @classmethod
@@ -124,15 +136,16 @@ class TurnedSheetBlock(Block):
     @model_validator(mode="after")
     def _does_not_meet_itself(self) -> Self:
         _require_open(self.curvature, self.length)
+        _require_moderate("turned_sheet", self.length, self.width, self.size)
         return self
 
 
 class MandrelBlock(Block):
     """A disc clamped at its hub and pushed around its rim."""
 
-    radius: Length = declared(Rim.radius, "radius of the disc", gt=0.0)
-    hub: Length = declared(Rim.hub, "radius of the hub that holds it", gt=0.0)
-    indentation: Length = declared(15.0, "push on its rim, normal to the disc", gt=0.0)
+    radius: Size = declared(Rim.radius, "radius of the disc", gt=0.0)
+    hub: Size = declared(Rim.hub, "radius of the hub that holds it", gt=0.0)
+    indentation: Size = declared(15.0, "push on its rim, normal to the disc", gt=0.0)
     angles: Directions = declared(
         ANGLES, "where it is pushed, increasing, from 0 to below 360", min_length=1
     )
@@ -150,8 +163,8 @@ class StageBlock(Block):
 
     _place: ClassVar[str] = "rigs.stage"
 
-    length: Length = declared(100.0, "length between the hinges", gt=0.0)
-    width: Length = declared(50.0, "width", gt=0.0)
+    length: Size = declared(100.0, "length between the hinges", gt=0.0)
+    width: Size = declared(50.0, "width", gt=0.0)
     direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
     shortenings: Lengths = declared(
         SHORTENINGS, "by which the hinges come closer, increasing from above 0", min_length=1
@@ -176,7 +189,7 @@ class RigsBlock(Block):
     """The testing devices, one or both."""
 
     sides: Sides = declared(BOTH, "sides to bend to: closing, opening", min_length=1)
-    size: Length = declared(RigOptions.size, "sides of the triangles", gt=0.0)
+    size: Size = declared(RigOptions.size, "sides of the triangles", gt=0.0)
     mandrel: MandrelBlock | None = declared(None, "disc on the mandrel; {} for defaults")
     stage: StageBlock | None = declared(None, "strip on the stage; {} for defaults")
 
@@ -188,6 +201,9 @@ class RigsBlock(Block):
             with _named("rigs.mandrel"):
                 rim = Rim(self.mandrel.radius, self.mandrel.hub, self.size)
                 rim.require_indentation(self.mandrel.indentation)
+                require_moderate_triangles(6.0 * rim.rings**2, self.size)
                 for angle in self.mandrel.angles:
                     rim.place(angle)
+        if self.stage is not None:
+            _require_moderate("rigs.stage", self.stage.length, self.stage.width, self.size)
         return self

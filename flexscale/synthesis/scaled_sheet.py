@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from flexscale import checks
+from flexscale.checks import checked, flag, instance, number, point
 from flexscale.errors import BadInputError, suggest
 from flexscale.fabricate.layout import FloatArray
 from flexscale.macro.bent_sheet import BentSheet
@@ -22,7 +24,7 @@ from flexscale.synthesis.placement import LaidScale, Placement, fit_placement, l
 from flexscale.synthesis.prisms import IntArray, build_parts, moments_of, prism_surface
 from flexscale.synthesis.remove_overlap import Removal, motion_of
 from flexscale.synthesis.remove_overlap import remove_overlap as move_apart
-from flexscale.units import require_positive
+from flexscale.units import LENGTHS
 
 log = logging.getLogger(__name__)
 
@@ -113,6 +115,7 @@ class ScaledSheet:
             f"{self.sheet.direction:g}°, deepest overlap {self.overlap.deepest:.3g} mm"
         )
 
+    @checked(path=checks.path)
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write sheet and scales, by the ending of the path: .vtu (ParaView) or .obj (modeling).
 
@@ -149,6 +152,14 @@ class ScaledSheet:
         )
 
 
+@checked(
+    pattern=checks.PATTERN,
+    sheet=instance("flexscale.macro.bent_sheet:BentSheet", "make one with fs.simulate_sheet"),
+    remove_overlap=flag,
+    clearance=number("mm", 1e-6, LENGTHS[1], above=0.0),
+    turn_weight=number("1", 1e-6, 1e6, above=0.0),
+    center=point("mm"),
+)
 def synthesize_scales(
     pattern: Pattern,
     sheet: BentSheet,
@@ -187,8 +198,6 @@ def synthesize_scales(
     FabricationError : no scale lies wholly on the sheet, or there are too many.
     UnitRangeError : a clearance or weight that is not positive.
     """
-    clearance = require_positive(clearance, "clearance", "mm")
-    turn_weight = require_positive(turn_weight, "turn weight", "1")
     if sheet.status != SolveStatus.converged:
         raise BadInputError(
             f"The sheet at {sheet.curvature:.12g} mm-1 did not converge ({sheet.status.name} after "

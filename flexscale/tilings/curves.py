@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexscale.errors import TilingError, suggest
+from flexscale.errors import TilingError, UnitRangeError, shown, suggest
 from flexscale.tilings.families import Family
+from flexscale.units import require_array
 
 FloatArray = NDArray[np.float64]
 
@@ -24,6 +25,9 @@ FloatArray = NDArray[np.float64]
 CURVE_POINTS = 33
 #: Of the edge's length: ends and symmetric points must agree this well.
 CURVE_TOLERANCE = 1e-6
+
+MOST_POINTS = 100_000
+FARTHEST = 100.0  # of the edge's length
 
 _SYMMETRY = {
     "S": (np.array([-1.0, -1.0]), "a half turn about the middle of the edge"),
@@ -49,6 +53,8 @@ def read_curves(
     TilingError : no such class, a straight class, wrong ends, or not symmetric as its kind asks.
     """
     given = {}
+    if edges is not None and not isinstance(edges, Mapping):
+        raise TilingError(f"The edges of a tiling are a dict of curves, not {shown(edges)}.")
     for letter, curve in (edges or {}).items():
         _require_curved_class(family, letter)
         given[letter] = _read_points(family, letter, curve)
@@ -65,11 +71,11 @@ def image_of_curve(curve: FloatArray, mirror_x: bool, mirror_y: bool) -> FloatAr
 
 def _require_curved_class(family: Family, letter: str) -> None:
     kinds = family.curve_kinds()
-    if letter not in kinds:
+    if not isinstance(letter, str) or letter not in kinds:
         listed = ", ".join(f"{letter} ({kind})" for letter, kind in kinds.items())
         raise TilingError(
-            f"Tiling family {family.name} has no edge class {letter!r}: a curve belongs to the "
-            f"first edge of a class, and the classes are {listed}. {suggest(letter, kinds)}"
+            f"Tiling family {family.name} has no edge class {shown(letter)}: a curve belongs to "
+            f"the first edge of a class, and the classes are {listed}. {suggest(letter, kinds)}"
         )
     if kinds[letter] == "I":
         raise TilingError(
@@ -83,14 +89,16 @@ def _read_points(family: Family, letter: str, curve: Any) -> FloatArray:
     if callable(curve):
         curve = _sample(curve)
     try:
-        points = np.array(curve, dtype=float)
-    except (TypeError, ValueError):
+        points = require_array(curve, "the curve", "1")
+    except UnitRangeError:
         points = np.empty(0)
-    if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 2:
-        raise TilingError(f"{where} must be at least two points (x, y), from (0, 0) to (1, 0).")
-    bad = ~np.isfinite(points).all(axis=1)
-    if bad.any():
-        raise TilingError(f"{where} has a point that is not finite, number {int(np.argmax(bad))}.")
+    if points.ndim != 2 or points.shape[1:] != (2,) or not 2 <= len(points) <= MOST_POINTS:
+        raise TilingError(
+            f"{where} must be 2 to {MOST_POINTS} points (x, y), all finite, from (0, 0) to (1, 0), "
+            f"not {shown(curve)}."
+        )
+    if np.abs(points).max() > FARTHEST:
+        raise TilingError(f"{where} goes farther than {FARTHEST:g} lengths of the edge from it.")
     if np.abs(points[0]).max() > CURVE_TOLERANCE:
         raise TilingError(f"{where} must start at (0, 0), not at {_text(points[0])}.")
     repeated = np.linalg.norm(np.diff(points, axis=0), axis=1) < CURVE_TOLERANCE

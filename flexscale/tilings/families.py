@@ -14,7 +14,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from flexscale.errors import TilingError, suggest
+from flexscale.errors import TilingError, shown, suggest
 from flexscale.tilings.symbols import EdgeClass, IncidenceSymbol
 
 
@@ -90,11 +90,13 @@ def find_family(name: str) -> Family:
     ------
     TilingError : there is none.
     """
-    if name in _table():
+    if isinstance(name, str) and name in _table():
         return _family(name)
-    number = re.fullmatch(r"\s*(?:IH)?\s*0*(\d{1,2})\s*", str(name), re.IGNORECASE)
+    asked = name[:20] if isinstance(name, str) else shown(name)
+    number = re.fullmatch(r"\s*(?:IH)?\s*0*(\d{1,2})\s*", asked, re.IGNORECASE)
     meant = f"IH{int(number[1]):02d}" if number else ""
     hint = f"Did you mean {meant!r}?" if meant in _table() else suggest(name, _table())
     raise TilingError(
-        f"Tiling family {name!r} does not exist: the 93 families are called IH01 to IH93. {hint}"
+        f"Tiling family {shown(name)} does not exist: the 93 families are called IH01 to "
+        f"IH93. {hint}"
     )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexscale.errors import TilingError
+from flexscale.errors import TilingError, UnitRangeError, shown
 from flexscale.tilings.curves import read_curves
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from flexscale.tilings.families import Family, find_family
@@ -18,9 +18,11 @@ from flexscale.tilings.isometry import Isometry
 from flexscale.tilings.lattice import reduction
 from flexscale.tilings.outline import build_outline, require_tile, signed_area
 from flexscale.tilings.wallpaper import DrawnSymmetry
+from flexscale.units import require_series
 
 FloatArray = NDArray[np.float64]
 
+LARGEST_PARAMETER = 100.0
 _SHAPE_NAMES = {"IH20": "hexagon", "IH76": "square"}
 
 
@@ -139,10 +141,11 @@ def _checked_parameters(
     if parameters is None:
         return (0.0,) * family.n_parameters
     try:
-        values = tuple(float(value) for value in parameters)
-    except (TypeError, ValueError):
+        values = require_series(parameters, "parameters", "1") if _some(parameters) else ()
+    except UnitRangeError:
         raise TilingError(
-            f"The parameters of tiling family {family.name} must be numbers, not {parameters!r}."
+            f"The parameters of tiling family {family.name} must be finite numbers, not "
+            f"{shown(parameters)}."
         ) from None
     if len(values) != family.n_parameters:
         meaning = f" ({', '.join(names)})" if names else ""
@@ -150,11 +153,17 @@ def _checked_parameters(
             f"Tiling family {family.name} has {family.n_parameters} free shape parameter(s)"
             f"{meaning}, but {len(values)} were given."
         )
-    if not all(map(math.isfinite, values)):
+    if max(map(abs, values), default=0.0) > LARGEST_PARAMETER:
         raise TilingError(
-            f"The parameters of tiling family {family.name} must be finite, not {values}."
+            f"A parameter of tiling family {family.name} is beyond {LARGEST_PARAMETER:g}, not "
+            f"{shown(values)}: parameters move vertices, in units of the tile's size."
         )
     return values
+
+
+def _some(parameters: Any) -> bool:
+    """Whether there are any: families without parameters are given none."""
+    return not (isinstance(parameters, Sequence | np.ndarray) and np.size(parameters) == 0)
 
 
 def _without_rounding(vectors: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import flexscale as fs
-from flexscale.errors import FabricationError
+from flexscale.errors import BadInputError, FabricationError
 from flexscale.fabricate import Disc, Grooves, Layout, Printer, Rectangle
 from flexscale.fabricate.grooves import groove_rings, substrate_between
 from flexscale.fabricate.plan import build_plan
@@ -238,11 +238,11 @@ def test_options_check_themselves() -> None:
         Printer(smallest_wall=0.2)
     with pytest.raises(FabricationError, match=r"hub hole of 8 mm diameter takes up the whole"):
         Disc(4.0)
-    with pytest.raises(FabricationError, match=r"pin clearance is -0.1 mm"):
+    with pytest.raises(BadInputError, match=r"pin clearance is -0.1 mm"):
         Rectangle(clearance=-0.1)
-    with pytest.raises(FabricationError, match=r"smallest area is -1 mm²"):
+    with pytest.raises(BadInputError, match=r"smallest area is -1 mm²"):
         Layout(smallest_area=-1.0)
-    with pytest.raises(FabricationError, match=r"groove depth is -0.1 mm"):
+    with pytest.raises(BadInputError, match=r"groove depth is -0.1 mm"):
         Grooves(depth=-0.1)
-    with pytest.raises(FabricationError, match=r"border is 'torn': choose"):
+    with pytest.raises(BadInputError, match=r"no border 'torn'. Known: 'cut', 'whole'"):
         Layout(border="torn")

@@ -228,13 +228,13 @@ def test_side_that_only_begins_to_touch_is_left_without_contact(
 def test_other_refusals(model: fs.MacroModel) -> None:
     with pytest.raises(UnknownNameError, match="Did you mean 'absolute'"):
         fit_law(law_sweep(), weighting="absolut")  # type: ignore[arg-type]
-    with pytest.raises(SchemaError, match="no energy_density, moment"):
+    with pytest.raises(SchemaError, match="needs energy_density, moment"):
         fit_law(xr.Dataset())
-    with pytest.raises(UnknownNameError, match="no side 'shut'"):
+    with pytest.raises(UnknownNameError, match="no side of the model 'shut'"):
         model.parameters(0.0, "shut")
     with pytest.raises(UnitRangeError, match="not negative"):
         model.moment(-0.01, 0.0)
-    with pytest.raises(SchemaError, match="kind fit"):
+    with pytest.raises(SchemaError, match="A macro model needs weighting"):
         fs.MacroModel.from_dataset(law_sweep())
 
 

@@ -129,7 +129,7 @@ def test_one_sided_sweep_marks_the_model() -> None:
     assert "one-sided: opening was not sampled" in repr(found)
     opened = found.tensor_energy(uniaxial(-0.03, 20.0))
     assert opened == pytest.approx(0.5 * a_of(np.array(20.0)) * 0.03**2, rel=1e-9)
-    with pytest.raises(UnknownNameError, match="no side 'opening'"):
+    with pytest.raises(UnknownNameError, match="no side of the model 'opening'"):
         found.moment(0.01, 0.0, "opening")
 
 

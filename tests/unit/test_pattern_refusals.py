@@ -78,8 +78,8 @@ def test_sizes(key: str, value: float, words: str) -> None:
     ("modulus", "ratio", "words"),
     [
         (0.0, 0.3, "Young's modulus is 0 MPa"),
-        (26.0, 0.5, "below 0.5"),
-        (26.0, -1.0, "above -1"),
+        (26.0, 0.5, "between -0.95 and 0.4999"),
+        (26.0, -1.0, "between -0.95 and 0.4999"),
         (26.0, float("inf"), "finite"),
     ],
 )

@@ -1,0 +1,82 @@
+"""Datasets as callers give them: whatever they did to them since they were loaded."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexscale.datasets.schema import SCHEMAS
+from flexscale.datasets.variables import Variable
+from flexscale.errors import SchemaError, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def require_variables(dataset: xr.Dataset, names: Iterable[str], what: str) -> None:
+    """Refuse a dataset that lacks variables or coordinates, or has other ones of these names.
+
+    Other ones: of a number of dimensions, or a type, that no kind of dataset has for this name.
+
+    Parameters
+    ----------
+    what : for the message, what needs them: "A fit".
+
+    Raises
+    ------
+    SchemaError : a name is missing, or stands for something else.
+    """
+    variables = getattr(dataset, "variables", {})
+    missing = [name for name in names if name not in variables]
+    if missing:
+        present = shown(sorted(map(str, variables))) if variables else "nothing"
+        raise SchemaError(
+            f"{what} needs {', '.join(missing)}, which this dataset does not have (it has "
+            f"{present}); give it a dataset of the right kind."
+        )
+    for name in names:
+        _require_declared(dataset, name, what)
+
+
+def read_config(dataset: xr.Dataset) -> dict[str, Any]:
+    """How the dataset was made, {} where it does not say.
+
+    Raises
+    ------
+    SchemaError : what it says is no JSON text.
+    """
+    given = dataset.attrs.get("flexscale_config", "{}")
+    try:
+        config = json.loads(given)
+    except (TypeError, ValueError, RecursionError):
+        config = None
+    if not isinstance(config, dict):
+        raise SchemaError(f"The attribute flexscale_config of the dataset is {shown(given)}.")
+    return config
+
+
+def _require_declared(dataset: xr.Dataset, name: str, what: str) -> None:
+    variable = dataset.variables[name]
+    known = [schema.all[name] for schema in SCHEMAS.values() if name in schema.all]
+    if not known:  # a caller's own variable
+        return
+    if not any(variable.ndim == len(declared.dims) for declared in known):
+        wanted = " or ".join(dict.fromkeys(str(declared.dims) for declared in known))
+        raise SchemaError(
+            f"{what} needs {name} over {wanted}, but in this dataset it lies over "
+            f"{shown(variable.dims)}: select with lists, as in sel(side=['closing'])."
+        )
+    if not any(_is_of_type(variable.dtype, declared) for declared in known):
+        raise SchemaError(f"{what} needs {name} as {known[0].dtype}, not as {variable.dtype}.")
+    if variable.size == 0:
+        raise SchemaError(f"{what} needs {name}, of which this dataset has no values.")
+    is_axis = variable.dims == (name,) and variable.dtype.kind == "f"
+    if is_axis and not np.isfinite(variable.values).all():
+        raise SchemaError(f"The {name} of this dataset has values that are not finite.")
+
+
+def _is_of_type(dtype: np.dtype, declared: Variable) -> bool:
+    return dtype.kind in ("UOT" if declared.dtype == "text" else "iuf")

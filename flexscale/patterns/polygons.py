@@ -1,0 +1,59 @@
+"""Polygons and lattice vectors as callers give them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from flexscale.errors import PatternError, UnitRangeError, shown
+from flexscale.patterns.symmetry import FloatArray
+from flexscale.units import require_array, require_series
+
+FARTHEST = 1e9  # mm from the origin: farther, corners have lost the digits that meshes need
+MOST_CORNERS = 100_000  # of a tile
+
+
+def polygons(value: Any, label: str) -> list[FloatArray]:
+    """Check of tiles: polygons as arrays (n_i, 2), mm."""
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str | bytes):
+        raise PatternError(f"{label} must be a list of polygons in mm, not {shown(value)}.")
+    return [_polygon(tile, number) for number, tile in enumerate(value)]
+
+
+def _polygon(tile: Any, number: int) -> FloatArray:
+    try:
+        polygon = require_array(tile, f"tile {number}", "mm")
+    except UnitRangeError:
+        polygon = np.empty(0)
+    if polygon.ndim != 2 or polygon.shape[1:] != (2,) or len(polygon) > MOST_CORNERS:
+        raise PatternError(
+            f"Tile {number} must be a list of (x, y) corners, finite, in mm, at most "
+            f"{MOST_CORNERS}, not {shown(tile)}."
+        )
+    _require_near(polygon, f"Tile {number}")
+    return polygon
+
+
+def lattice_vector(value: Any, label: str) -> FloatArray:
+    """Check of a lattice vector (2,), mm."""
+    try:
+        vector = np.array(require_series(value, label, "mm"))
+    except UnitRangeError:
+        vector = np.empty(0)
+    if vector.shape != (2,):
+        raise PatternError(
+            f"The lattice vectors t1 and t2 must each be two finite numbers in mm, but {label} is "
+            f"{shown(value)}."
+        )
+    _require_near(vector, f"The lattice vector {label}")
+    return vector
+
+
+def _require_near(points: FloatArray, what: str) -> None:
+    farthest = float(np.abs(points).max(initial=0.0))
+    if farthest > FARTHEST:
+        raise PatternError(
+            f"{what} reaches {farthest:.6g} mm from the origin: stay within {FARTHEST:g} mm."
+        )

@@ -66,9 +66,9 @@ SMALL: dict[str, Any] = {
 }
 VALUES: list[Any] = [
     None, True, False, "", "abc", "0.4", "0.4 mm", "-1 mm", "1e400 mm", "4,5 mm", "0.4 parsec",
-    "400 \u03bcm", "2020 N/mm\u00b2", math.nan, math.inf, -math.inf, 0, -1, 1, 2, 0.5, 1e300, 1e-300,
-    1e-6, 1e6, 10**400, [], {}, [0], [[0, 1]], [None], {"a": 1}, {1: 2}, "x" * 3000, "closing",
-    "PETG", "\u00e9\u4e2d", "../../x", "-dash", {"start": 0, "stop": 1, "step": 0},
+    "400 \u03bcm", "2020 N/mm\u00b2", math.nan, math.inf, -math.inf, 0, -1, 1, 2, 0.5, 1e300,
+    1e-300, 1e-6, 1e6, 10**400, [], {}, [0], [[0, 1]], [None], {"a": 1}, {1: 2}, "x" * 3000,
+    "closing", "PETG", "\u00e9\u4e2d", "../../x", "-dash", {"start": 0, "stop": 1, "step": 0},
     {"start": 0, "stop": math.inf, "step": 1}, {"start": 0, "stop": 1, "step": 1e-9}, [0, 0],
     [1, 0], [math.nan], ["closing", "closing"], [[[0, 0]]], list(range(20000)),
 ]  # fmt: skip

@@ -27,9 +27,7 @@ _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned asid
 NEAR = 1e-3  # Newton decrement, relative to the energy, from which on to go on is best
 NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
-TIME_LIMIT = (
-    1800.0  # s, processor time; shipped samples take seconds, those of large sheets minutes
-)
+TIME_LIMIT = 1800.0  # s, processor time; samples of cells take seconds, of large sheets minutes
 NOT_IN_EXPERIMENTS = {"experiment": False}  # of a field: the machine's and the solver's own
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 

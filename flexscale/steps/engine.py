@@ -17,7 +17,7 @@ from flexscale.processes import ProcessEndedError
 from flexscale.steps.engine_process import Workplace, describe_engine_end, engine
 from flexscale.steps.environment import STAMPS
 from flexscale.steps.experiment import Experiment
-from flexscale.steps.figures import FIGURE, figure_is_current, figure_path
+from flexscale.steps.figures import FIGURE, figure_is_current, figure_path, figures_folder
 from flexscale.steps.job_ends import RESUME, JobEnds
 from flexscale.steps.plan import Plan
 from flexscale.system_failures import SystemFailureError, explain
@@ -152,7 +152,7 @@ def _tell_other_run(path: Path, owner: str) -> str:
 def _require_room(plan: Plan, store: Store) -> None:
     """Refuse folders that could not take the results, before anything is computed."""
     folders = {store.local / job.step / job.family / job.pattern for job in plan}
-    for folder in sorted(folders | {store.local, figure_path("", "", store).parent}):
+    for folder in sorted(folders | {store.local, figures_folder(store)}):
         there = folder
         while not there.exists() and there != there.parent:
             there = there.parent

@@ -131,7 +131,12 @@ def figure_path(name: str, pattern: str, sources: Sequence[Entry], store: Store)
     experiments that compute different things never draw over each other's pictures.
     """
     stem = f"{pattern}-{name}-{sources[0].recipe_digest[:SHORT_DIGEST]}"
-    return store.local / "figures" / f"{stem}.png"
+    return figures_folder(store) / f"{stem}.png"
+
+
+def figures_folder(store: Store) -> Path:
+    """Where the pictures of experiments lie."""
+    return store.local / "figures"
 
 
 def figure_is_current(name: str, pattern: str, sources: Sequence[Entry], store: Store) -> bool:

@@ -21,7 +21,6 @@ from flexscale.errors import DatasetError, IntegrityError
 from tests.unit.dataset_samples import recipe
 from tests.unit.results_samples import forget_catalog, one_sweep, sign
 
-ROOT = Path(__file__).parents[2]
 SECRET = 7.25
 
 
@@ -254,9 +253,9 @@ def test_folders_that_are_links_are_not_followed(entry: Entry, tmp_path: Path) -
     assert not Store(tmp_path / "results").lookup("sweep", recipe())
 
 
-def test_the_shipped_datasets_open(tmp_path: Path) -> None:
+def test_the_shipped_datasets_open(shipped_results: Path) -> None:
     """The inspection refuses nothing that netCDF writes for us, of any kind."""
-    registry = open_registry(ROOT / "results")
+    registry = open_registry(shipped_results)
     for kind in {entry.kind for entry in registry.find(source="reference")}:
         entry = registry.find(kind=kind, source="reference")[0]
         assert registry.load(entry).attrs["flexscale_recipe_digest"] == entry.recipe_digest

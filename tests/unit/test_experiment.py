@@ -234,7 +234,8 @@ def test_option_blocks_take_units_and_know_what_they_mean() -> None:
     assert experiment.solver == SolverOptions(max_iterations=7)
     for options in (MeshOptions, SolverOptions):
         fields = option_fields(options)
-        assert [field.name for field in fields] == list(options().to_config())
+        usual = [field.name for field in fields if field.name != "time_limit"]
+        assert usual == list(options().to_config())
         assert all(field.meaning for field in fields)
     assert {f.name: f.unit for f in option_fields(MeshOptions)}["along"] == "mm"
 

@@ -82,10 +82,10 @@ def test_help_of_every_command_on_every_terminal(
     ids=lambda words: " ".join(words[:2]),
 )
 def test_commands_say_what_they_say_on_every_terminal(
-    monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+    monkeypatch: pytest.MonkeyPatch, arguments: list[str], shipped_results: Path
 ) -> None:
     monkeypatch.setattr(doctor, "_findings", lambda: [doctor.Finding("ok", "κ", "°")])
-    there = ["--results", str(ROOT / "results")]
+    there = ["--results", str(shipped_results)]
     given = [*arguments, *(there if arguments[0] in ("data", "figures") else [])]
     code, out, err = said_by(monkeypatch, "utf-8", given)
     assert "this is a bug" not in err

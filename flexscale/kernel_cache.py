@@ -16,7 +16,7 @@ def provide_kernel_cache() -> None:
     It looks in NUMBA_CACHE_DIR, beside the sources, and in the user's cache folder. A machine may
     let us write to none of them: an installation of somebody else's, and no home.
     """
-    if any(_can_be_made(folder) for folder in _where_numba_looks()):
+    if any(can_be_written(folder) for folder in _where_numba_looks()):
         return
     try:
         os.environ[_VARIABLE] = str(_private_folder())
@@ -28,17 +28,22 @@ def _where_numba_looks() -> list[Path]:
     folders = [Path(__file__).parent / "mechanics" / "__pycache__"]
     if os.environ.get(_VARIABLE):
         folders.append(Path(os.environ[_VARIABLE]))
+    return [*folders, user_cache()]
+
+
+def user_cache() -> Path:
+    """The user's folder for what programs can make again, whether or not it can be written."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
+
+
+def can_be_written(folder: Path) -> bool:
+    """Whether files can be put into a folder, which may have to be made."""
     # Without a home "~" stays "~", which would be a folder in whatever place we are called from.
-    folders.append(Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")))
-    return [folder for folder in folders if folder.is_absolute()]
-
-
-def _can_be_made(folder: Path) -> bool:
     there = folder
     try:
         while not there.exists() and there != there.parent:
             there = there.parent
-        return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+        return folder.is_absolute() and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
     except OSError:
         return False
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
+from flexscale.kernel_cache import can_be_written, user_cache
 from flexscale.processes import child_environment, describe_end
 from flexscale.steps.environment import EVENTS, RUN_PID
 from flexscale.system_failures import explain, explain_words
@@ -72,6 +73,8 @@ def engine(place: Workplace, results: Path, cores: int) -> Iterator[subprocess.P
     """Snakemake in a process group of its own, which is gone when the block is left."""
     environment = child_environment()
     environment |= {EVENTS: str(place.events), RUN_PID: str(os.getpid())}
+    if not can_be_written(user_cache()):  # Snakemake does not start without one
+        environment["XDG_CACHE_HOME"] = str(place.folder / "cache")
     # The shell gets a group of its own, so that Ctrl-C reaches only us and we stop all in order.
     with place.log.open("wb") as output:
         process = subprocess.Popen(

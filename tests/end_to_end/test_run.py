@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 import pytest
 
+from benchmarks.kills import ROLES, kill_one
 from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Store
 
@@ -156,7 +157,7 @@ def test_a_stopped_run_goes_on_to_the_same_bits(
     wait_for(tmp_path, "local/.workflow/lock", 1, process)
     code, _, err = run(file, tmp_path)
     assert code == 4
-    assert f"Another flexscale run (process {process.pid})" in err
+    assert f"Another flexscale run (process {process.pid} on {os.uname().nodename}" in err
     n_before = wait_for(tmp_path, SAMPLES, 3, process)
     family = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(sign)
@@ -172,6 +173,27 @@ def test_a_stopped_run_goes_on_to_the_same_bits(
     code, out, err = run(file, tmp_path)
     assert code == 0, err
     assert "cell         IH76/square         reused" in out
+    assert digests(tmp_path) == digests(finished)
+
+
+@pytest.mark.parametrize(
+    "role",
+    [
+        "worker",
+        *(pytest.param(role, marks=pytest.mark.slow) for role in ROLES if role != "worker"),
+    ],
+)
+def test_any_process_may_be_killed(file: Path, finished: Path, tmp_path: Path, role: str) -> None:
+    """As soon as it is there, as the kernel does when memory is short."""
+    kill, code, said = kill_one(file, tmp_path, role, signal.SIGKILL, delay=0.0)
+    assert kill is not None
+    assert (kill.hung, kill.told, kill.left, kill.lost) == (False, True, 0, 0), said
+    if role == "worker":
+        assert code == 4
+        assert "sweep IH76/square: A process that solved samples of the sweep" in said
+        assert "signal 9 (SIGKILL), as systems do when memory is short" in said
+    code, _, err = run(file, tmp_path)
+    assert code == 0, err
     assert digests(tmp_path) == digests(finished)
 
 

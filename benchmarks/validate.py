@@ -104,6 +104,7 @@ ALL = (
     Page("recompute", (*CELL, "macro"), reads="named_patterns"),
     Page("macro_shell", SHEET),
     Page("registry", ("datasets",)),
+    Page("kills", ("datasets", "steps")),
     Page("fabricate", ("tilings", "patterns", "fabricate")),
 )
 

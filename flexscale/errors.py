@@ -1,7 +1,8 @@
 """One tree of exceptions; each class knows the exit code of the command line.
 
-Exit codes: 1 bug, 2 bad input, 4 data or a part of the system missing. A message is one clear
-sentence: what failed, the value with its unit, where, and what to do about it.
+Exit codes: 1 bug, 2 bad input, 4 data or a part of the system missing (a library, room on a disk,
+memory, a process that was killed). A message is one clear sentence: what failed, the value with its
+unit, where, and what to do about it.
 """
 
 from __future__ import annotations

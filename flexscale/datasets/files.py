@@ -26,6 +26,9 @@ from flexscale.errors import IntegrityError
 LARGEST_FILE = 4 * 2**30  # bytes
 
 
+_PROBE = bytes(2**20)
+
+
 def load_entry(entry: Entry) -> xr.Dataset:
     """The dataset of an entry in memory, its file verified.
 
@@ -75,7 +78,8 @@ def write_payload(folder: Path, dataset: xr.Dataset, kind: str, facts: dict[str,
     }
     try:
         dataset.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
-    except RuntimeError as error:  # how the netCDF library reports a full disk
+    except RuntimeError as error:  # how the netCDF library reports a full disk, without saying so
+        (folder / "probe").write_bytes(_PROBE)
         raise OSError(str(error)) from error
     content = read_regular(path, LARGEST_FILE)
     stored = read_netcdf(path, content)

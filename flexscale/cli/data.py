@@ -180,7 +180,7 @@ def _open(results: Path) -> Registry:
 
     registry = open_registry(results)
     for sentence in registry.damaged:
-        print(f"damaged: {sentence}", file=sys.stderr)
+        print(f"left out: {sentence}", file=sys.stderr)
     return registry
 
 

@@ -16,6 +16,7 @@ import typer
 
 from flexscale.cli import data, fabricate, tiling
 from flexscale.cli.options import Json, Quiet, Results
+from flexscale.cli.printable import printable_streams
 from flexscale.cli.terminal import Interrupted, interruptible, show_what_it_can
 from flexscale.errors import FlexScaleError
 from flexscale.system_failures import explain
@@ -112,7 +113,9 @@ def main() -> None:
     show_what_it_can()
     # Pictures go to files, whatever window or notebook the user's plots go to.
     os.environ["MPLBACKEND"] = "Agg"
-    sys.exit(_exit_code())
+    with printable_streams():
+        code = _exit_code()
+    sys.exit(code)
 
 
 def _exit_code() -> int:

@@ -17,6 +17,7 @@ from rich.progress import (
 )
 from rich.progress import Progress as RichProgress
 
+from flexscale.cli.printable import terminal_stream
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.plan import Plan
 
@@ -53,7 +54,9 @@ class Progress:
                 TextColumn("samples"),
                 TimeElapsedColumn(),
             )
-            self.bar = RichProgress(*columns, console=Console(stderr=True), transient=True)
+            self.bar = RichProgress(
+                *columns, console=Console(file=terminal_stream()), transient=True
+            )
             self.task = self.bar.add_task("starting", total=max(self.total, 1))
 
     def __enter__(self) -> Self:

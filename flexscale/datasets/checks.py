@@ -19,7 +19,7 @@ from flexscale.datasets.sheet_checks import (
     check_turned_sheet,
 )
 from flexscale.datasets.untrusted import parse_json
-from flexscale.datasets.variables import SIDES, VARIANTS, Schema, Variable
+from flexscale.datasets.variables import COMPONENTS, SIDES, VARIANTS, Schema, Variable
 from flexscale.errors import SchemaError
 
 #: share of the largest value that sums and zeros may be off by rounding
@@ -39,6 +39,9 @@ def check_dataset(dataset: xr.Dataset, kind: str) -> None:
         if name in dataset.variables:
             _check_variable(dataset.variables[name], declared, schema)
     _check_attributes(dataset, schema)
+    for name in ("component", "other_component"):
+        if name in dataset.coords and tuple(dataset[name].values) != COMPONENTS:
+            raise SchemaError(f"The values of {name} are {', '.join(COMPONENTS)}, in this order.")
     _CHECKS[kind](dataset)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from flexscale.datasets.labels import require_same_labels
 from flexscale.datasets.record import RECORD_FILE, read_record
 from flexscale.datasets.staging import sync
 from flexscale.datasets.untrusted import read_regular
-from flexscale.errors import IntegrityError
+from flexscale.errors import IntegrityError, SchemaError
 
 LARGEST_FILE = 4 * 2**30  # bytes
 
@@ -39,6 +40,10 @@ def load_entry(entry: Entry) -> xr.Dataset:
     record = read_record(entry.folder)
     dataset = read_netcdf(entry.folder / DATA_FILE, verified_content(entry.folder, record))
     require_same_labels(dataset, record, entry.folder)
+    try:
+        check_dataset(dataset, entry.kind)
+    except SchemaError as error:
+        raise SchemaError(f"{entry.folder / DATA_FILE}: {error}") from error
     return dataset
 
 
@@ -107,8 +112,11 @@ def read_netcdf(path: Path, content: bytes) -> xr.Dataset:
     require_self_contained(content, path)
     try:
         file = netCDF4.Dataset(path.name, memory=content)
-        return xr.load_dataset(xr.backends.NetCDF4DataStore(file))
-    except FOREIGN as error:
+        with warnings.catch_warnings():
+            # What xarray only warns of (attributes that ask for odd conversions) we never write.
+            warnings.simplefilter("error", RuntimeWarning)
+            return xr.load_dataset(xr.backends.NetCDF4DataStore(file), decode_times=False)
+    except (*FOREIGN, AttributeError, RuntimeWarning) as error:
         raise IntegrityError(f"{path} is not readable as netCDF: {error!s:.200}.") from error
 
 

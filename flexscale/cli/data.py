@@ -91,8 +91,9 @@ def findings(
 ) -> None:
     """Hold what the paper's Sec. 4.2 says against the datasets, with verdicts and numbers."""
     from flexscale.findings.table import all_findings, findings_text
+    from flexscale.steps.paper import paper_datasets
 
-    found = all_findings(_open(results))
+    found = all_findings(paper_datasets(_open(results)))
     if json:
         _print_json([finding.to_dict() for finding in found])
     else:

@@ -19,6 +19,7 @@ from flexscale.findings import all_findings
 from flexscale.plotting.figure_scripts import FigureScript, find_scripts
 from flexscale.plotting.figures import draw_figure
 from flexscale.plotting.index_page import write_index
+from flexscale.steps.paper import paper_datasets
 
 
 def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Sequence[str]) -> int:
@@ -29,7 +30,7 @@ def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Seq
     names : figure scripts, all if empty.
     results : results folder.
     out : folder to draw into.
-    use : "INPUT=ID" for another dataset than the only one, or the only shipped one, that fits.
+    use : "INPUT=ID" for another dataset than that of the paper.
 
     Returns
     -------
@@ -45,7 +46,8 @@ def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Seq
     registry = open_registry(results)
     chosen = _chosen(use, scripts, registry)
     target = out if out is not None else results / "local" / "figures"
-    reports = [draw_figure(script, registry, target, use=chosen) for script in scripts]
+    paper = paper_datasets(registry)
+    reports = [draw_figure(script, registry, target, chosen, paper) for script in scripts]
     for report in reports:
         if report.paths:
             print(f"{report.stem}  {report.outcome}", file=sys.stderr)
@@ -53,7 +55,7 @@ def draw_figures(names: Sequence[str], results: Path, out: Path | None, use: Seq
         else:
             print(f"{report.stem}  missing: {report.message}", file=sys.stderr)
     if any(report.paths for report in reports):
-        sys.stdout.write(f"{write_index(reports, target, _findings(registry))}\n")
+        sys.stdout.write(f"{write_index(reports, target, _findings(paper))}\n")
     missing = any(report.outcome == "missing" for report in reports)
     return MissingDataError.exit_code if missing else 0
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,6 +74,12 @@ class Registry:
         UnknownNameError : unknown property or value, with close matches.
         """
         return Selection(self._entries, self._everywhere).find(**criteria)
+
+    def only(self, entries: Iterable[Entry]) -> Registry:
+        """The same registry as if it held nothing but these datasets."""
+        chosen = copy.copy(self)
+        chosen._entries = chosen._everywhere = tuple(sorted(entries, key=_order))
+        return chosen
 
     def one(self, **criteria: Any) -> xr.Dataset:
         """The only dataset that meets the criteria, loaded; else an error with the candidates."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from flexscale.datasets.variables import SIDES
 from flexscale.errors import MissingDataError
 from flexscale.findings.symmetry import DirectionSymmetry, direction_symmetry
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
 
 KINDS = ("sweep", "tangent", "cell")
+LEAST_DIRECTIONS = 6
 
 
 @dataclass(frozen=True)
@@ -35,28 +37,31 @@ class PatternData:
 def collect(registry: Registry) -> list[PatternData]:
     """All patterns with a sweep, a tangent and a cell, by name.
 
+    Where datasets are shipped, only these count: findings are on the paper's patterns.
+
     Raises
     ------
-    MissingDataError : a pattern has several datasets of a kind, or no pattern is complete.
+    MissingDataError : a pattern has several datasets of a kind, a sweep that does not suffice, or
+        no pattern is complete.
     """
+    shipped = registry.find(source="reference")
+    stored = shipped if shipped.find(kind="sweep") else registry.find()
     found = []
-    names = sorted({entry.row["pattern"] for entry in registry.find(kind="sweep")})
-    for name in names:
+    for name in sorted({entry.row["pattern"] for entry in stored.find(kind="sweep")}):
         chosen = {}
         for kind in KINDS:
-            entries = registry.find(kind=kind, pattern=name)
-            # Several in one's own results: those of the shipped set are meant.
-            shipped = [e for e in entries if e.folder.is_relative_to(registry.root / "reference")]
-            if len(shipped) == 1 or len(entries) == 1:
-                chosen[kind] = shipped[0] if shipped else entries[0]
-            elif entries:
+            entries = stored.find(kind=kind, pattern=name)
+            if len(entries) > 1:
                 ids = ", ".join(entry.id for entry in entries)
                 raise MissingDataError(
                     f"{name} has several datasets of kind {kind} ({ids}), and findings are drawn "
                     "from one: give a results folder that holds one of each."
                 )
+            if entries:
+                chosen[kind] = entries[0]
         if len(chosen) == len(KINDS):
             data = {kind: registry.load(entry) for kind, entry in chosen.items()}
+            _require_all_around(data["sweep"], chosen["sweep"].id)
             found.append(PatternData(name, **data))
     if not found:
         raise MissingDataError(
@@ -64,6 +69,29 @@ def collect(registry: Registry) -> list[PatternData]:
             "flexscale run workflows/named_patterns.yaml"
         )
     return found
+
+
+def _require_all_around(sweep: xr.Dataset, name: str) -> None:
+    """MissingDataError unless findings can be drawn from a sweep."""
+    direction = sweep["direction"].values
+    even = direction[0] + 180.0 * np.arange(len(direction)) / len(direction)
+    lacks = ""
+    if len(direction) < LEAST_DIRECTIONS or not np.allclose(direction, even):
+        lacks = f"{LEAST_DIRECTIONS} or more directions at even steps of the half circle"
+    elif set(sweep["side"].values) != set(SIDES):
+        lacks = "both sides"
+    elif not all(_bent(sweep, side) for side in SIDES):
+        lacks = "a curvature above 0 with results in all directions"
+    if lacks:
+        raise MissingDataError(
+            f"Findings need {lacks}, which {name} ({sweep['pattern'].item()}) does not have: give "
+            "a results folder without it, or one with the shipped datasets."
+        )
+
+
+def _bent(sweep: xr.Dataset, side: str) -> bool:
+    done = sweep["moment"].sel(side=side).notnull().all("direction").values
+    return bool((done & (sweep["curvature"].values > 0.0)).any())
 
 
 def convexity(cell: xr.Dataset) -> float:

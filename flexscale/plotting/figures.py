@@ -63,7 +63,11 @@ class FigureReport:
 
 
 def draw_figure(
-    script: FigureScript, registry: Registry, out: Path, use: Mapping[str, str] | None = None
+    script: FigureScript,
+    registry: Registry,
+    out: Path,
+    use: Mapping[str, str] | None = None,
+    paper: Iterable[Any] | None = None,
 ) -> FigureReport:
     """Draw one figure into a folder, unless it is already there and up to date.
 
@@ -73,11 +77,13 @@ def draw_figure(
     registry : `flexscale.datasets.registry.Registry`.
     out : folder for `stem`.pdf, .png and .json.
     use : dataset id by input name; without, the only one that fits, or the only shipped one.
+    paper : the datasets to choose from, if not all of the registry.
     """
     about = (script.stem, script.caption, script.paper_says)
     try:
         entries = {
-            name: _resolve(name, need, registry, use or {}) for name, need in script.needs.items()
+            name: _resolve(name, need, registry, registry if paper is None else paper, use or {})
+            for name, need in script.needs.items()
         }
     except MissingDataError as error:
         return FigureReport(*about, "missing", str(error))
@@ -104,18 +110,24 @@ def draw_figure(
     return FigureReport(*about, "drawn", "", paths, ids, tuple(we_find))
 
 
-def _resolve(name: str, need: Need, registry: Registry, use: Mapping[str, str]) -> Any:
+def _resolve(
+    name: str, need: Need, registry: Registry, paper: Iterable[Any], use: Mapping[str, str]
+) -> Any:
     if name in use:
         return registry.get(use[name])
-    fitting = [entry for entry in registry if _fits(entry, need)]
+    fitting = [entry for entry in paper if _fits(entry, need)]
     # Beside what a user has run, figures of the paper show the datasets that come with the code.
-    shipped = [e for e in fitting if e.folder.is_relative_to(registry.root / "reference")]
+    shipped = [entry for entry in fitting if entry.row.get("source") == "reference"]
     if len(shipped) == 1 or len(fitting) == 1:
         return shipped[0] if shipped else fitting[0]
-    if not fitting:
-        raise MissingDataError(f"No {need} among the results; make it with: {need.command}")
-    ids = ", ".join(sorted(entry.id for entry in fitting))
-    raise MissingDataError(f"Several datasets are a {need}: {ids}; say which with {name}=ID.")
+    if fitting:
+        ids = ", ".join(sorted(entry.id for entry in fitting))
+        raise MissingDataError(f"Several datasets are a {need}: {ids}; say which with {name}=ID.")
+    others = sorted(entry.id for entry in registry if _fits(entry, need))
+    hint = (
+        f" ({', '.join(others[:5])}: not the paper's; --use {name}=ID draws it)" if others else ""
+    )
+    raise MissingDataError(f"No {need} among the results{hint}; make it with: {need.command}")
 
 
 def _fits(entry: StoredDataset, need: Need) -> bool:
@@ -142,7 +154,7 @@ def _current_facts(paths: Mapping[str, Path], digest: str) -> dict[str, Any] | N
         return None
     try:
         content = json.loads(paths["json"].read_text(encoding="utf-8"))
-    except ValueError:
+    except (OSError, ValueError, RecursionError):
         return None
     current = isinstance(content, dict) and content.get("made_from") == digest
     return dict(content) if current else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 from pathlib import Path
 
@@ -74,6 +75,80 @@ def test_a_flipped_bit_is_damage(tmp_path: Path) -> None:
     data = bytearray(path.read_bytes())
     data[data.index(np.float64(50.0).tobytes())] ^= 1
     path.write_bytes(data)
+    assert FileCheckpoint(tmp_path).load("line") == []
+
+
+def test_any_flipped_bit_is_damage_or_changes_nothing(tmp_path: Path) -> None:
+    """Zip files have flags (encrypted, compressed, a later version) that no checksum covers."""
+    checkpoint = FileCheckpoint(tmp_path)
+    sample = {"status": 0, "state": [1.0, 2.0]}
+    checkpoint.append("line", sample)
+    path = next(tmp_path.rglob("*.npz"))
+    data = path.read_bytes()
+    for place in range(len(data)):
+        flipped = bytearray(data)
+        flipped[place] ^= 1 << place % 8
+        path.write_bytes(flipped)
+        assert FileCheckpoint(tmp_path).load("line") in ([], [sample])
+
+
+class Boom:
+    """What unpickling would run."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (Path.touch, (Path("/tmp/flexscale-unpickled"),))
+
+
+def pickled_array() -> dict[str, np.ndarray]:
+    return {"structure": np.array([Boom()], dtype=object)}
+
+
+def nothing() -> dict[str, np.ndarray]:
+    return {"other": np.zeros(3)}
+
+
+def deep() -> dict[str, np.ndarray]:
+    return {"structure": np.frombuffer(b"[" * 100_000, np.uint8)}
+
+
+def no_sample() -> dict[str, np.ndarray]:
+    return {"structure": np.frombuffer(b"[1, 2]", np.uint8)}
+
+
+def odd_structure() -> dict[str, np.ndarray]:
+    return {"structure": np.frombuffer(b'{"dict": [[1, 2, 3]]}', np.uint8)}
+
+
+def missing_array() -> dict[str, np.ndarray]:
+    return {"structure": np.frombuffer(b'{"dict": [["a", {"array": "b"}]]}', np.uint8)}
+
+
+@pytest.mark.parametrize(
+    "content", [pickled_array, nothing, deep, no_sample, odd_structure, missing_array]
+)
+def test_an_archive_that_is_no_sample_is_named_and_ignored(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, content
+) -> None:
+    checkpoint = FileCheckpoint(tmp_path)
+    checkpoint.append("line", {"index": 0})
+    path = next(tmp_path.rglob("*.npz"))
+    np.savez(path, **content())
+    assert FileCheckpoint(tmp_path).load("line") == []
+    assert f"{path} is damaged" in caplog.text
+    assert "computed anew" in caplog.text
+    assert not Path("/tmp/flexscale-unpickled").exists()
+
+
+def test_archives_grow_no_larger_than_their_file_and_pipes_are_not_waited_for(
+    tmp_path: Path,
+) -> None:
+    checkpoint = FileCheckpoint(tmp_path)
+    checkpoint.append("line", {"index": 0})
+    path = next(tmp_path.rglob("*.npz"))
+    np.savez_compressed(path, structure=np.zeros(10**7, np.uint8))
+    assert FileCheckpoint(tmp_path).load("line") == []
+    path.unlink()
+    os.mkfifo(path)
     assert FileCheckpoint(tmp_path).load("line") == []
 
 

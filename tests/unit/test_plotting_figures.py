@@ -181,9 +181,21 @@ def test_several_fitting_datasets_are_not_chosen_from_silently(
 def test_shipped_datasets_come_before_ones_own(script_folder: Path, tmp_path: Path) -> None:
     (script,) = find_scripts(script_folder)
     shipped = square_entry("bbbb")
-    shipped.folder = Path("results/reference/sweep")
+    shipped.row["source"] = "reference"
     report = draw_figure(script, FakeRegistry(square_entry("aaaa"), shipped), tmp_path)
     assert report.sources == ("sweep:bbbb",)
+
+
+def test_what_is_not_the_papers_is_only_drawn_when_asked_for(
+    script_folder: Path, tmp_path: Path
+) -> None:
+    (script,) = find_scripts(script_folder)
+    registry = FakeRegistry(square_entry("aaaa"))
+    report = draw_figure(script, registry, tmp_path, paper=[])
+    assert report.outcome == "missing"
+    assert "sweep:aaaa: not the paper's; --use sweep=ID draws it" in report.message
+    assert "flexscale run square.yaml" in report.message
+    assert draw_figure(script, registry, tmp_path, {"sweep": "sweep:aaaa"}, []).sources
 
 
 def test_unknown_figures_and_incomplete_scripts_are_refused(script_folder: Path) -> None:

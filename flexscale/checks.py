@@ -178,7 +178,12 @@ def text(value: Any, label: str) -> str:
 
 def path(value: Any, label: str) -> Path:
     """A place in the file system, as text or path."""
-    if not isinstance(value, str | os.PathLike) or not str(value) or "\0" in str(value):
+    given = str(value) if isinstance(value, str | os.PathLike) else ""
+    try:
+        longest = max(len(os.fsencode(part)) for part in [given, *Path(given).parts][1:] or [given])
+    except UnicodeEncodeError:
+        longest = sys.maxsize
+    if not given or "\0" in given or longest > 255:
         raise BadInputError(
             f"{label} must be the path of a file or folder, not {shown(value)} "
             f"({type(value).__name__})."

@@ -156,7 +156,9 @@ class _Short(reprlib.Repr):
         """Datasets have long texts."""
         return "a dataset"
 
-    repr_DataArray = repr_ndarray
+    def repr_DataArray(self, array: Any, level: int) -> str:
+        """As what is in them."""
+        return self.repr_ndarray(array.values, level)
 
 
 _SHORT = _Short()

@@ -16,14 +16,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def require_variables(dataset: xr.Dataset, names: Iterable[str], what: str) -> None:
+def require_variables(dataset: xr.Dataset, names: Iterable[str], what: str, kind: str = "") -> None:
     """Refuse a dataset that lacks variables or coordinates, or has other ones of these names.
 
-    Other ones: of a number of dimensions, or a type, that no kind of dataset has for this name.
+    Other ones: over other dimensions than the kind's, or of another type. Where no kind is given,
+    as many dimensions are enough as some kind has for this name.
 
     Parameters
     ----------
     what : for the message, what needs them: "A fit".
+    kind : of dataset, if known.
 
     Raises
     ------
@@ -38,7 +40,7 @@ def require_variables(dataset: xr.Dataset, names: Iterable[str], what: str) -> N
             f"{present}); give it a dataset of the right kind."
         )
     for name in names:
-        _require_declared(dataset, name, what)
+        _require_declared(dataset, name, what, kind)
 
 
 def read_config(dataset: xr.Dataset) -> dict[str, Any]:
@@ -58,12 +60,14 @@ def read_config(dataset: xr.Dataset) -> dict[str, Any]:
     return config
 
 
-def _require_declared(dataset: xr.Dataset, name: str, what: str) -> None:
+def _require_declared(dataset: xr.Dataset, name: str, what: str, kind: str) -> None:
     variable = dataset.variables[name]
-    known = [schema.all[name] for schema in SCHEMAS.values() if name in schema.all]
+    schemas = [SCHEMAS[kind]] if kind else SCHEMAS.values()
+    known = [schema.all[name] for schema in schemas if name in schema.all]
     if not known:  # a caller's own variable
         return
-    if not any(variable.ndim == len(declared.dims) for declared in known):
+    dims = set(variable.dims)
+    if not any(dims == set(d.dims) if kind else variable.ndim == len(d.dims) for d in known):
         wanted = " or ".join(dict.fromkeys(str(declared.dims) for declared in known))
         raise SchemaError(
             f"{what} needs {name} over {wanted}, but in this dataset it lies over "

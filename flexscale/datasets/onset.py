@@ -51,7 +51,7 @@ def contact_onset(sweep: xr.Dataset) -> xr.Dataset:
     ------
     MissingDataError : the sweep was made without contact.
     """
-    require_variables(sweep, _NEEDED, "The onset of contact")
+    require_variables(sweep, _NEEDED, "The onset of contact", "sweep")
     # Without contact there are no distances, and the counts of pairs are zeros.
     solved = sweep["moment"].notnull()
     if solved.any() and sweep["min_gap"].isnull().all():

@@ -83,7 +83,7 @@ def read_samples(sweep: xr.Dataset) -> Samples:
     SchemaError : not a sweep.
     BadInputError : too few curvatures or directions, or directions too unevenly spread.
     """
-    require_variables(sweep, _NEEDED, "A fit to a sweep")
+    require_variables(sweep, _NEEDED, "A fit to a sweep", "sweep")
     sides = tuple(side for side in SIDES if side in sweep["side"].values)
     ordered = sweep.sel(side=list(sides)).sortby(["direction", "curvature"])
     ordered = ordered.transpose("side", "direction", "curvature", ...)

@@ -80,7 +80,7 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
     """
     declared = schema_of("fit")
     needed = [v.name for v in (*declared.coordinates, *declared.variables) if not v.optional]
-    require_variables(dataset, needed, "A macro model")
+    require_variables(dataset, needed, "A macro model", "fit")
     sides = tuple(str(side) for side in dataset["side"].values)
     values = {name: dataset[name].values for name in dataset.variables}
     directional = values["directional_value"]

@@ -85,7 +85,7 @@ def fit(
     SchemaError : not a fit, or not a sweep.
     BadInputError : a direction the sweep does not have.
     """
-    require_variables(model, _NEEDED, "A figure of a fit")
+    require_variables(model, _NEEDED, "A figure of a fit", "fit")
     sides = pick_sides(model, None)
     with flexscale_style():
         height = PAGE_WIDTH * (0.36 if sweep is None else 0.74)

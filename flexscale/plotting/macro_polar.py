@@ -62,8 +62,10 @@ def macro_polar(
     SchemaError : not a fit, or not a sweep.
     UnknownNameError, BadInputError : a side or curvature that there is not.
     """
-    require_variables(model, _NEEDED, "A figure of a macro model")
-    require_variables(sweep, ["moment", "direction", "curvature", "side"], "A polar moment plot")
+    require_variables(model, _NEEDED, "A figure of a macro model", "fit")
+    require_variables(
+        sweep, ["moment", "direction", "curvature", "side"], "A polar moment plot", "sweep"
+    )
     rows = pick_sides(model, sides)
     pick_sides(sweep, rows)
     chosen = pick_values(sweep["curvature"], curvatures, n_default=N_CURVATURES, skip_zero=True)

@@ -64,7 +64,9 @@ def polar(
     UnknownNameError, BadInputError : a side or curvature the sweep does not have.
     SchemaError : not a sweep.
     """
-    require_variables(sweep, ["moment", "direction", "curvature", "side"], "A polar moment plot")
+    require_variables(
+        sweep, ["moment", "direction", "curvature", "side"], "A polar moment plot", "sweep"
+    )
     sides = pick_sides(sweep, side)
     chosen = pick_values(sweep["curvature"], curvatures, n_default=6, skip_zero=True)
     with flexscale_style():
@@ -106,7 +108,7 @@ def stiffness(tangent: xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Datas
         colors = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
         curves = []
         for index, (label, dataset) in enumerate(datasets.items()):
-            require_variables(dataset, ["stiffness", "direction"], "A stiffness plot")
+            require_variables(dataset, ["stiffness", "direction"], "A stiffness plot", "tangent")
             values = np.asarray(dataset["stiffness"].values, dtype=float)
             low, high = np.nanmin(values), np.nanmax(values)
             span = f"{low:.4g}" if np.isclose(low, high, rtol=5e-4) else f"{low:.4g} – {high:.4g}"

@@ -58,7 +58,7 @@ def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
             "does not have; give it a dataset of kind rig."
         )
     for device in devices:
-        require_variables(tests, _NEEDED[device], f"A figure of the {device}")
+        require_variables(tests, _NEEDED[device], f"A figure of the {device}", "rig")
     shown = pick_sides(tests, sides)
     with flexscale_style():
         figure = new_figure(COLUMN_WIDTH * (0.25 + 0.95 * len(devices)), COLUMN_WIDTH * 0.85)

@@ -11,7 +11,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from flexscale.checks import checked, instance, path, text
-from flexscale.errors import BadInputError
+from flexscale.datasets.identity import plain
+from flexscale.errors import BadInputError, shown
 from flexscale.plotting.style import flexscale_style
 
 # Dates and program versions would make equal figures differ.
@@ -21,8 +22,26 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
+def _several(value: Any, label: str) -> Any:
+    """Check of a list of sources."""
+    if not isinstance(value, list | tuple):
+        raise BadInputError(f"{label} must be a list, not {shown(value)}.")
+    return value
+
+
+def _mapping(value: Any, label: str) -> Any:
+    """Check of facts."""
+    if not isinstance(value, Mapping):
+        raise BadInputError(f"{label} must be a dict, not {shown(value)}.")
+    return value
+
+
 @checked(
-    figure=instance("matplotlib.figure:Figure", "draw one with fs.plot"), folder=path, stem=text
+    figure=instance("matplotlib.figure:Figure", "draw one with fs.plot"),
+    folder=path,
+    stem=text,
+    sources=_several,
+    facts=_mapping,
 )
 def save_figure(
     figure: Figure,
@@ -49,16 +68,23 @@ def save_figure(
     if not stem or Path(stem).name != stem:
         raise BadInputError(f"A figure cannot be named '{stem}': give a plain file name.")
     target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
     paths = {ending: target / f"{stem}.{ending}" for ending in ("pdf", "png", "json")}
-    with flexscale_style():
-        for ending, metadata in _METADATA.items():
-            part = _part(paths[ending])
-            figure.savefig(part, format=ending, metadata=metadata)
-            os.replace(part, paths[ending])
     listed = [dict(s) if isinstance(s, Mapping) else {"id": s} for s in sources]
     content = {"figure": stem, "sources": listed, **(facts or {})}
-    write_text(paths["json"], json.dumps(content, indent=2, sort_keys=True, ensure_ascii=False))
+    plain(content, "the figure's facts", null_for_nan=True)  # or they are refused
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        with flexscale_style():
+            for ending, metadata in _METADATA.items():
+                part = _part(paths[ending])
+                figure.savefig(part, format=ending, metadata=metadata)
+                os.replace(part, paths[ending])
+        text_of_facts = json.dumps(content, indent=2, sort_keys=True, ensure_ascii=False)
+        write_text(paths["json"], text_of_facts)
+    except OSError as error:
+        raise BadInputError(
+            f"The figure cannot be written to {shown(str(target))}: {error.strerror}."
+        ) from error
     return paths
 
 

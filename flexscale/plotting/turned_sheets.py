@@ -38,6 +38,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "paper": {"linestyle": (0, (1.0, 1.2)), "marker": "^"},
 }
 _LAW_NOTE = "thin lines without marks: the model bent to the cylinder everywhere, no free sides"
+_NEEDED_OF_CELLS = ["energy_density", "moment", "status", "side", "direction", "curvature"]
 _NEEDED = ["energy_density", "law_energy_density", "status", "variant", "side", "direction"]
 
 
@@ -59,7 +60,7 @@ def turned_sheet(
     UnknownNameError : a side that they were not bent to.
     MissingDataError : the sweep lacks the curvature, a direction or a side of the sheets.
     """
-    require_variables(turned, _NEEDED, "A figure of turned sheets")
+    require_variables(turned, _NEEDED, "A figure of turned sheets", "turned_sheet")
     return turned_sheets([(turned, sweep, side) for side in pick_sides(turned, sides)])
 
 
@@ -107,7 +108,7 @@ def cell_energy_density(turned: xr.Dataset, sweep: xr.Dataset) -> xr.DataArray:
     SchemaError : not a sweep.
     MissingDataError : the sweep lacks the curvature, a direction or a side of the sheets.
     """
-    require_variables(sweep, ["energy_density", "moment", "status"], "A comparison with cells")
+    require_variables(sweep, _NEEDED_OF_CELLS, "A comparison with cells", "sweep")
     energies = sweep["energy_density"].where(~unconverged(sweep))
     try:
         found = energies.sel(side=turned["side"].values)

@@ -136,6 +136,12 @@ class ScaledSheet:
             raise BadInputError(
                 f"There is no folder {target.parent}: create it, or name another one."
             )
+        try:
+            self._write(target)
+        except OSError as error:
+            raise BadInputError(f"{target} cannot be written: {error.strerror}.") from error
+
+    def _write(self, target: Path) -> None:
         if target.suffix == ".obj":
             names = {-1: "substrate"} | {k: f"scale_{k}" for k in range(self.n_scales)}
             parts = {n: self.triangles[self.triangle_scale == k] for k, n in names.items()}

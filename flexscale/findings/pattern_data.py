@@ -106,7 +106,7 @@ def convexity(cell: xr.Dataset) -> float:
     points, owner = cell["outline_points"].values, cell["outline_of_point"].values
     shares = []
     for scale in np.unique(owner):
-        x, y = points[owner == scale].T
+        x, y = (points[owner == scale] - points[owner == scale][0]).T
         area = 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
         # In the plane, scipy calls the area of the hull its volume.
         shares.append(area / float(ConvexHull(points[owner == scale]).volume))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexscale.mesh.options import MeshOptions
-from flexscale.patterns.cell import turning_angles
+from flexscale.patterns.junctions import turning_angles
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -25,7 +25,8 @@ from flexscale.mesh.subdivision import (
 )
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns import Prototile
-from flexscale.patterns.cell import SHARP_TURN, turning_angles
+from flexscale.patterns.cell import SHARP_TURN
+from flexscale.patterns.junctions import turning_angles
 from flexscale.patterns.outlines import MITRE_LIMIT, mitre_points
 
 FloatArray = NDArray[np.float64]

@@ -21,13 +21,13 @@ from flexscale.mesh.quadratic import elevate_scales
 from flexscale.mesh.tile import TileMesh, build_tile_mesh, find_tip_sizes
 from flexscale.mesh.topology import TorusEdges, build_edges
 from flexscale.patterns import Isometry, Pattern
-from flexscale.patterns.cell import torus_classes
+from flexscale.patterns.corners import torus_classes
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 IDENTITY = Isometry(np.eye(2), np.zeros(2))
-SAME_NODE = 1e-7  # relative to the root of the cell's area
+SAME_NODE = 1e-7  # relative to the root of a tile's mean area
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,9 @@ def join_tiles(
     scale_height : mm.
     """
     sheet = _place_sheet([*placed, *((tile, IDENTITY) for tile in bare)])
-    vertex, offset = _glue(sheet, lattice)
+    n_tiles = len(placed) + len(bare)
+    tolerance = SAME_NODE * float(np.sqrt(np.linalg.det(lattice) / n_tiles))
+    vertex, offset = _glue(sheet, lattice, tolerance)
     first = np.unique(vertex, return_index=True)[1]
     triangles, offsets = vertex[sheet.triangles], offset[sheet.triangles]
     topology = build_edges(triangles, offsets)
@@ -135,13 +137,12 @@ def _wound(cells: IntArray, placement: Isometry) -> IntArray:
     return np.concatenate([cells[:, [1, 0]], cells[:, 2:]], axis=1)
 
 
-def _glue(sheet: _Sheet, lattice: FloatArray) -> tuple[IntArray, IntArray]:
+def _glue(sheet: _Sheet, lattice: FloatArray, tolerance: float) -> tuple[IntArray, IntArray]:
     """Torus vertex (n,) and lattice offset (n, 2) of every node of the sheet.
 
     The first node of a class represents it.
     """
     n = len(sheet.points)
-    tolerance = SAME_NODE * np.sqrt(np.linalg.det(lattice))
     shared = sheet.points[sheet.shared]
     _, first, inverse = np.unique(
         torus_classes(shared, lattice, tolerance), return_index=True, return_inverse=True

@@ -24,6 +24,7 @@ from flexscale.units import require_finite, require_positive
 
 SLIVER = 0.05  # of a tile's area: smaller pieces carry no scale
 SHORTEST = 0.05  # of a gap: a cut that leaves shorter edges or thinner pieces is moved
+CUT = 0.0125  # of a gap: ends of cuts nearer than this, a quarter of the above, are one
 TRIES, ENOUGH = 25, 5  # places of the pattern on the sheet that are tried, and that may be used
 MOST_TRIES = 8 * TRIES  # where none of the first ones suits
 
@@ -176,7 +177,7 @@ def cell_of_pieces(
         raise PatternError(
             f"The border leaves a piece or an edge of {thin:.3g} mm, finer than {least:.3g} mm."
         )
-    cell = build_cell(list(pieces), (length, 0.0), (0.0, width))
+    cell = build_cell(pieces, np.diag([length, width]), CUT * pattern.gap)
     if not any(_carries_scale(tile, pattern) for tile in cell.tiles):
         raise PatternError(
             f"The border leaves no piece with a scale: all are below {SLIVER:.0%} of a tile, or "

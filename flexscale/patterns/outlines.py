@@ -12,7 +12,9 @@ import numpy as np
 import shapely
 
 from flexscale.errors import PatternError
-from flexscale.patterns.cell import IntArray, polygon_area, turning_angles
+from flexscale.patterns.cell import polygon_area
+from flexscale.patterns.corners import IntArray
+from flexscale.patterns.junctions import turning_angles
 from flexscale.patterns.overlay import difference, symmetric_difference, union
 from flexscale.patterns.symmetry import BoolArray, FloatArray
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,17 +15,21 @@ from flexscale import checks
 from flexscale.checks import Check, checked, instance, length, number
 from flexscale.errors import PatternError, shown, suggest
 from flexscale.patterns.cell import TiledCell, build_cell
+from flexscale.patterns.drawing import Drawing, corner_tolerance, own_digits, read_drawing
+from flexscale.patterns.exact_symmetry import best_symmetry
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
 from flexscale.patterns.names import pattern_name
 from flexscale.patterns.polygons import lattice_vector, polygons
-from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
+from flexscale.patterns.prototiles import CONGRUENT, Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings import Tiling
-from flexscale.tilings.drawn_symmetry import drawn_symmetry, primitive_cell
+from flexscale.tilings.drawn_symmetry import TOLERANCE, drawn_symmetry, primitive_cell
 from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import AREAS, LENGTHS, require_range
 
 CUSTOM = "custom"
+log = logging.getLogger(__name__)
+
 #: Checks of what both constructors take.
 _OF_SCALES: dict[str, Check] = {
     "gap": length(),
@@ -108,7 +114,7 @@ class Pattern:
         factor = np.sqrt(tile_area)
         # As drawn, the tiling of a type may repeat itself within the type's own cell.
         tiles, lattice = primitive_cell(tiling.tiles, tiling.lattice)
-        cell = build_cell([factor * tile for tile in tiles], *(factor * lattice))
+        cell = build_cell([factor * tile for tile in tiles], factor * lattice)
         sizes = (gap, scale_height, substrate_thickness, bond_radius)
         self._fill(cell, name or tiling.pattern_name, sizes, scale_material, substrate_material)
         self._set(family=tiling.family, tiling=tiling, tile_area=tile_area)
@@ -139,12 +145,12 @@ class Pattern:
         The other parameters are those of the class.
         """
         pattern = cls.__new__(cls)
-        cell = build_cell(list(tiles), t1, t2)
+        drawing = read_drawing(tiles, t1, t2)
+        cell = _tiled(drawing)
         sizes = (gap, scale_height, substrate_thickness, bond_radius)
         pattern._fill(cell, name, sizes, scale_material, substrate_material)
-        # Kept as given: rebuilding from the corners merged here would move the last bits.
-        given = tuple(np.array(tile, dtype=float) for tile in tiles)
-        pattern._set(family=CUSTOM, tiling=None, _given=(given, np.array([t1, t2], dtype=float)))
+        # Kept as drawn: rebuilding from the corners merged here would move the last bits.
+        pattern._set(family=CUSTOM, tiling=None, _given=(drawing.tiles, drawing.lattice))
         return pattern
 
     def _fill(
@@ -209,7 +215,8 @@ class Pattern:
 
         Scales have one gap, height and material, so the symmetry of the tiles is that of the sheet.
         """
-        return drawn_symmetry(self.tiles, self.lattice)
+        tolerance = TOLERANCE if self.tiling else CONGRUENT
+        return drawn_symmetry(self.tiles, self.lattice, tolerance=tolerance)
 
     def with_(self, **changes: Any) -> Pattern:
         """Copy with some constructor parameters changed.
@@ -289,6 +296,33 @@ class Pattern:
 
 SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
 MATERIALS = ("scale_material", "substrate_material")
+
+
+def _tiled(drawing: Drawing) -> TiledCell:
+    """The cell of polygons, with all symmetry that they have to their digits."""
+    for unit in drawing.units:
+        try:
+            tolerance = corner_tolerance(unit, drawing.size)
+            cell = build_cell(drawing.tiles, drawing.lattice, tolerance)
+        except PatternError:
+            # Tiles or lattice may have been typed with fewer digits than the other.
+            if unit == drawing.units[-1]:
+                raise
+        else:
+            break
+    found, more = best_symmetry(cell, own_digits(unit, drawing.size))
+    if more is not None:
+        _notice(
+            f"The pattern is nearly {more.group}, off by {more.off:.1g} mm, and is computed as "
+            f"{found.group}: rounded? `symmetrize` makes it exact."
+        )
+    return found.cell
+
+
+@cache
+def _notice(text: str) -> None:
+    """Say something about a pattern, once."""
+    log.warning("%s", text)
 
 
 def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:

@@ -10,7 +10,7 @@ from flexscale.patterns.symmetry import BoolArray, FloatArray, Isometry, polygon
 
 # Copies and images must meet to rounding: tiles that are congruent only to the digits somebody
 # typed are different shapes, and a polygon symmetric only to those digits has no symmetry.
-CONGRUENT = 1e-4  # of the tolerance within which corners are merged
+CONGRUENT = 1e-8  # of a tile's size
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def find_prototiles(
     ------
     PatternError : the gap leaves a tile no scale in one piece.
     """
-    tolerance = CONGRUENT * cell.tolerance
+    tolerance = CONGRUENT * cell.size
     prototiles: list[Prototile] = []
     copies: list[TileCopy] = []
     for number, (polygon, sharp) in enumerate(zip(cell.tiles, cell.sharp, strict=True)):

@@ -36,9 +36,14 @@ def polygon_isometries(
     found = []
     center, target_center = source.mean(axis=0), target.mean(axis=0)
     arms = source - center
+    # The corner that the first one is carried to lies as far from the center.
+    radii = np.linalg.norm(target - target_center, axis=1)
+    may_be_first = np.abs(radii - np.linalg.norm(arms[0])) <= 4.0 * tolerance
     for reverses in (False, True):
         order = np.arange(n)[::-1] if reverses else np.arange(n)
         for shift in range(n):
+            if not may_be_first[order[shift]]:
+                continue
             partner = np.roll(order, -shift)
             if not np.array_equal(source_marks, target_marks[partner]):
                 continue

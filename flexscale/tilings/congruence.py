@@ -9,12 +9,17 @@ on that edge of the first which passes it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
+import shapely
+from scipy.spatial import cKDTree
 
 from flexscale.tilings.bravais import FloatArray
 
 NEAR_CENTROID = 10.0  # tolerances: noise of centroids adds up along a cell
+SAME_SHAPE = 1e-3  # tolerances: outlines this near are compared with others once for all
+FEW = 8  # tiles, of whose images most isometries that keep no tiling leave one without a partner
 
 
 class PlacedTiles:
@@ -51,35 +56,66 @@ class PlacedTiles:
 
     def are_kept(self, linear: FloatArray, translation: FloatArray) -> bool:
         """Whether x -> linear @ x + translation carries every tile onto a tile."""
-        return all(partners for partners in self.partners(linear, translation))
+        few = self._near(self.centroids[:FEW] @ linear.T + translation)
+        return all(few) and all(partners for partners in self.partners(linear, translation))
 
     def partners(self, linear: FloatArray, translation: FloatArray) -> list[list[int]]:
         """For each tile the tiles that its image is, modulo the lattice (one or none).
 
         Where no tile has its centroid at that of an image, shapes are not looked at any more.
         """
-        images = self.centroids @ linear.T + translation
-        apart = images[:, None] - self.centroids[None]
-        apart -= np.rint(apart @ np.linalg.inv(self.lattice)) @ self.lattice
-        near = np.linalg.norm(apart, axis=2) <= NEAR_CENTROID * self.tolerance
-        if not near.any(axis=1).all():
+        near = self._near(self.centroids @ linear.T + translation)
+        if not all(near):
             return [[] for _ in near]
         found = []
-        for tile, row in enumerate(near):
-            same = (int(other) for other in np.flatnonzero(row))
-            found.append([other for other in same if self._same_shape(tile, other, linear)])
+        for tile, others in enumerate(near):
+            found.append([other for other in others if self._same_shape(tile, other, linear)])
             if not found[-1]:
                 break
         return found
 
+    def _near(self, points: FloatArray) -> list[list[int]]:
+        """For each point (n, 2) the tiles with their centroids there, modulo the lattice."""
+        reach = NEAR_CENTROID * self.tolerance
+        # A distance in fractions is at most the distance in mm over the least singular value.
+        widest = reach / np.linalg.svd(self.lattice, compute_uv=False)[-1]
+        near = self._tree.query_ball_point(_in_cell(points, self.lattice), widest)
+        found = []
+        for point, others in zip(points, near, strict=True):
+            apart = point - self.centroids[others]
+            apart -= np.rint(apart @ np.linalg.inv(self.lattice)) @ self.lattice
+            close = np.linalg.norm(apart, axis=1) <= reach
+            found.append(sorted(np.array(others)[close].tolist()))
+        return found
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(_in_cell(self.centroids, self.lattice), boxsize=1.0)
+
+    @cached_property
+    def _kinds(self) -> list[int]:
+        """Number of each tile's shape; tiles that are copies moved by a vector have the same."""
+        known: dict[bytes, int] = {}
+        grid = SAME_SHAPE * self.tolerance
+        keys = (np.rint(shape / grid).tobytes() for shape in self._shapes)
+        return [known.setdefault(key, len(known)) for key in keys]
+
     def _same_shape(self, tile: int, other: int, linear: FloatArray) -> bool:
-        key = (tile, other, linear.tobytes())
+        key = (self._kinds[tile], self._kinds[other], linear.tobytes())
         if key not in self._compared:
             image = self._shapes[tile] @ linear.T
             if np.linalg.det(linear) < 0.0:
                 image = image[::-1]
             self._compared[key] = same_outline(image, self._shapes[other], self.tolerance)
         return self._compared[key]
+
+
+def _in_cell(points: FloatArray, lattice: FloatArray) -> FloatArray:
+    """Points (n, 2) in fractions of a lattice, from 0 to less than 1."""
+    fractions = points @ np.linalg.inv(lattice)
+    fractions -= np.floor(fractions)
+    fractions[fractions >= 1.0] = 0.0
+    return fractions
 
 
 def same_outline(first: FloatArray, second: FloatArray, tolerance: float) -> bool:
@@ -94,12 +130,16 @@ def same_outline(first: FloatArray, second: FloatArray, tolerance: float) -> boo
     lengths = np.linalg.norm(edges, axis=1)
     ends = np.cumsum(lengths)
     perimeter = float(ends[-1])
-    distances, fractions = _to_segments(first[:, None], starts[None], edges[None])
-    nearest = np.argmin(distances, axis=1)
-    each = np.arange(len(first))
-    if distances[each, nearest].max() > tolerance:
+    segments = shapely.linestrings(np.stack([starts, starts + edges], axis=1))
+    points, nearest = shapely.STRtree(segments).query_nearest(
+        shapely.points(first), max_distance=2.0 * tolerance, all_matches=False
+    )
+    if len(points) < len(first):
         return False
-    stations = (ends - lengths)[nearest] + fractions[each, nearest] * lengths[nearest]
+    distances, fractions = _to_segments(first, starts[nearest], edges[nearest])
+    if distances.max() > tolerance:
+        return False
+    stations = (ends - lengths)[nearest] + fractions * lengths[nearest]
     steps = np.diff(stations, append=stations[0]) % perimeter
     # An edge of a closed outline is never longer than half of it: more is a step back. Rounding
     # makes tiny ones; after a longer one some corner is on no edge that passes it.

@@ -113,10 +113,10 @@ def _primitive(polygons: list[FloatArray], lattice: FloatArray, tolerance: float
     size = float(np.sqrt(abs(np.linalg.det(lattice)) / n))
     basis = reduced_lattice(lattice)
     placed = PlacedTiles(polygons, basis, require_positive(tolerance, "tolerance", "") * size)
-    shifts = _translations(placed)
-    if len(shifts) == 1:
+    rows = _translations(placed)
+    if not rows:
         return _PrimitiveCell(placed, list(range(n)), 1)
-    whole = np.array(row_basis([*shifts, (n, 0), (0, n)]))
+    whole = np.array(row_basis([*rows, (n, 0), (0, n)]))
     primitive = reduced_lattice(whole @ basis / n)
     repeated = PlacedTiles(polygons, primitive, placed.tolerance)
     kept: list[int] = []
@@ -126,20 +126,34 @@ def _primitive(polygons: list[FloatArray], lattice: FloatArray, tolerance: float
             kept.append(tile)
             known.update(same)
     fewer = PlacedTiles([polygons[tile] for tile in kept], primitive, placed.tolerance)
-    return _PrimitiveCell(fewer, kept, len(shifts))
+    return _PrimitiveCell(fewer, kept, n * n // int(whole[0, 0] * whole[1, 1]))
 
 
 def _translations(placed: PlacedTiles) -> list[tuple[int, int]]:
-    """The group of shifts that keep the tiles, in n-th parts of the lattice vectors, modulo n."""
+    """Shifts that generate those that keep the tiles, in n-th parts of the lattice vectors.
+
+    What those found so far generate is not tried again: of n shifts few are.
+    """
     n = len(placed)
-    inverse = np.linalg.inv(placed.lattice)
-    found = [(0, 0)]
+    found: list[tuple[int, int]] = []
     for step in placed.centroids - placed.centroids[0]:
-        whole = np.rint(n * step @ inverse).astype(int)
-        shift = whole @ placed.lattice / n
-        if (whole % n).any() and placed.are_kept(np.eye(2), shift):
-            found.append((int(whole[0] % n), int(whole[1] % n)))
-    return closed_part(found, lambda one, two: ((one[0] + two[0]) % n, (one[1] + two[1]) % n))
+        p, q = np.rint(n * step @ np.linalg.inv(placed.lattice)).astype(int).tolist()
+        if _generates(found, n, (p, q)):
+            continue
+        more = [*found, (p % n, q % n)]
+        if placed.are_kept(np.eye(2), np.array([p, q]) @ placed.lattice / n) and all(
+            placed.are_kept(np.eye(2), np.array(row) @ placed.lattice / n)
+            for row in row_basis([*more, (n, 0), (0, n)])
+        ):
+            found = more
+    return found
+
+
+def _generates(rows: list[tuple[int, int]], n: int, shift: tuple[int, int]) -> bool:
+    """Whether shifts generate another one, all in n-th parts of the lattice vectors."""
+    (a, b), (_, d) = row_basis([*rows, (n, 0), (0, n)])
+    times, rest = divmod(shift[0], a)
+    return rest == 0 and (shift[1] - times * b) % d == 0
 
 
 def _reflection(operation: LatticeOperation, shift: FloatArray, basis: FloatArray) -> Reflection:

@@ -40,7 +40,7 @@ def fit_parameters(family: str, corners: ArrayLike) -> tuple[float, ...]:
             f"A tile of family {family} has {len(space.laves)} vertices: give as many points "
             f"(x, y), not an array of shape {points.shape}."
         )
-    area = signed_area(points)
+    area = signed_area(points - points[0])  # about a corner: the polygon may lie anywhere
     if abs(area) < 1e-12 * float(np.ptp(points, axis=0).max()) ** 2:
         raise TilingError(f"The corners to be fitted by tiling family {family} enclose no area.")
     if area < 0.0:

@@ -9,14 +9,15 @@ from flexscale.mesh import MeshOptions, build_mesh
 from tests.property.mesh_symmetry import assert_symmetric, point_group
 from tests.unit.pattern_shapes import SHAPES
 
-# name -> center of a point group of the pattern, its rotations, whether it has mirrors along x
+# name -> center of a point group of the pattern, from the first corner of its first tile if this
+# was given, its rotations, whether it has mirrors along x
 GROUPS = {
     "square": ((0.0, 0.0), 4, True),
     "hexagon": ((0.0, 0.0), 6, True),
     "brick": ((5.0, 2.5), 2, True),
     "parallelogram": ((6.5, 4.0), 2, False),
-    "pinwheel 4": ((0.0, 0.0), 4, False),
-    "pinwheel 6": ((0.0, 0.0), 6, False),
+    "pinwheel 4": ((-5.0, 5.0), 4, False),
+    "pinwheel 6": ((-5.0, 5.0 / np.sqrt(3.0)), 6, False),
     "triangles": ((10.0, 8.0), 2, True),
     "wide and narrow": ((15.0, 2.5), 2, True),
     "nearly aligned": ((5.0, 5.0), 2, False),

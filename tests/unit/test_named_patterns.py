@@ -8,7 +8,8 @@ import pytest
 import flexscale as fs
 from flexscale.errors import PatternError, UnknownNameError
 from flexscale.mesh import MeshOptions, build_mesh
-from flexscale.patterns.cell import polygon_area, turning_angles
+from flexscale.patterns.cell import polygon_area
+from flexscale.patterns.junctions import turning_angles
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from tests.property.mesh_symmetry import assert_symmetric
 

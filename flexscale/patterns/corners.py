@@ -1,0 +1,127 @@
+"""Corners of tiles on the torus: which are one point of the tiling, and where it lies."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from flexscale.patterns.symmetry import FloatArray
+from flexscale.tilings.lattice import reduction
+
+IntArray = NDArray[np.int64]
+Image = tuple[int, int, int]  # a tile, and the lattice vector that it is moved by
+
+ROUNDING = 1e-9  # of a tile's size: points closer than this are one but for rounding
+
+
+class Neighbors(NamedTuple):
+    """Pairs of points that lie near each other modulo a lattice.
+
+    Attributes
+    ----------
+    first, second : (n,) numbers of points, first < second.
+    steps : (n, 2) lattice vectors from the first to the second, but for the distance.
+    distances : (n,) mm.
+    """
+
+    first: IntArray
+    second: IntArray
+    steps: IntArray
+    distances: FloatArray
+
+
+def torus_neighbors(points: FloatArray, lattice: FloatArray, reach: float) -> Neighbors:
+    """All pairs of points (n, 2) closer than `reach` [mm] modulo a lattice, whatever its shape."""
+    # In a reduced basis few pairs are near in fractions that are not near in mm.
+    basis = reduction(lattice) @ lattice
+    fractions = points @ np.linalg.inv(basis)
+    fractions -= np.floor(fractions)
+    fractions[fractions >= 1.0] = 0.0
+    # A distance in fractions is at most the distance in mm over the least singular value.
+    widest = reach / np.linalg.svd(basis, compute_uv=False)[-1]
+    pairs = cKDTree(fractions, boxsize=1.0).query_pairs(widest, output_type="ndarray")
+    first, second = pairs.astype(np.int64).T
+    apart = points[second] - points[first]
+    steps = np.rint(apart @ np.linalg.inv(basis)) @ basis
+    distances = np.linalg.norm(apart - steps, axis=1)
+    near = distances <= reach
+    whole = np.rint(steps[near] @ np.linalg.inv(lattice)).astype(np.int64)
+    return Neighbors(first[near], second[near], whole, distances[near])
+
+
+def torus_classes(points: FloatArray, lattice: FloatArray, tolerance: float) -> IntArray:
+    """Number of the lattice class of each point (n, 2); points closer than `tolerance` are one."""
+    near = torus_neighbors(points, lattice, tolerance)
+    n = len(points)
+    graph = coo_array((np.ones(len(near.first)), (near.first, near.second)), shape=(n, n))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def corner_classes(
+    polygons: list[FloatArray], lattice: FloatArray, tolerance: float
+) -> list[IntArray]:
+    """Lattice class (n_i,) of every corner of every polygon."""
+    labels = torus_classes(np.concatenate(polygons), lattice, tolerance)
+    return split_like(labels, polygons)
+
+
+def split_like(flat: NDArray, polygons: list[FloatArray]) -> list[NDArray]:
+    """What belongs to all corners, one after the other, by polygons."""
+    return np.split(flat, np.cumsum([len(polygon) for polygon in polygons])[:-1])
+
+
+def merge_corners(
+    polygons: list[FloatArray], lattice: FloatArray, tolerance: float
+) -> list[FloatArray]:
+    """Corners that lie within a tolerance [mm] get positions that differ by lattice vectors.
+
+    Two corners of one tile stay two, however near: of corners of its neighbors, each takes the
+    nearest.
+    """
+    corners = np.concatenate(polygons)
+    labels = _matched(polygons, torus_neighbors(corners, lattice, tolerance))
+    _, first, labels = np.unique(labels, return_index=True, return_inverse=True)
+    anchors = corners[first[labels]]
+    shifts = np.rint((corners - anchors) @ np.linalg.inv(lattice)) @ lattice
+    residuals = corners - anchors - shifts
+    counts = np.bincount(labels)
+    mean = np.stack([np.bincount(labels, residuals[:, k]) / counts for k in (0, 1)], axis=1)
+    merged = anchors + mean[labels] + shifts
+    return split_like(merged, polygons)
+
+
+def _matched(polygons: list[FloatArray], near: Neighbors) -> IntArray:
+    """Class (n,) of every corner: pairs are joined, the nearest first, unless a tile forbids it."""
+    owners = np.repeat(np.arange(len(polygons)), [len(polygon) for polygon in polygons])
+    root = np.arange(len(owners))
+    members: dict[int, dict[Image, int]] = {
+        corner: {(tile, 0, 0): corner} for corner, tile in enumerate(owners.tolist())
+    }
+    place = np.zeros((len(owners), 2), dtype=np.int64)  # of a corner, from that of its root
+    order = np.lexsort((near.second, near.first, near.distances))
+    for first, second, (m, n) in zip(
+        near.first[order].tolist(),
+        near.second[order].tolist(),
+        near.steps[order].tolist(),
+        strict=True,
+    ):
+        one, other = int(root[first]), int(root[second])
+        if one == other:
+            continue
+        if len(members[one]) < len(members[other]):
+            one, other, first, second, m, n = other, one, second, first, -m, -n
+        # The place of the other root, from that of the one.
+        x, y = (place[first] + (m, n) - place[second]).tolist()
+        moved = {(tile, a + x, b + y): corner for (tile, a, b), corner in members[other].items()}
+        if members[one].keys() & moved.keys():
+            continue
+        for corner in members.pop(other).values():
+            root[corner] = one
+            place[corner] += (x, y)
+        members[one] |= moved
+    return root

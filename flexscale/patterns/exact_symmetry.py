@@ -11,12 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from flexscale.patterns.cell import TiledCell, sharp_corners
+from flexscale.errors import PatternError
+from flexscale.patterns.cell import TiledCell, build_cell, sharp_corners
 from flexscale.patterns.corners import ROUNDING, IntArray, corner_classes, split_like
+from flexscale.patterns.drawing import Drawing
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings.bravais import NICE_ANGLE, closed_part, multiply
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
@@ -263,16 +266,28 @@ def _placed(
     return Symmetrized(replace(cell, tiles=tuple(tiles), sharp=sharp, lattice=lattice), "", 1, off)
 
 
-def best_symmetry(cell: TiledCell, limit: float) -> tuple[Symmetrized, Symmetrized | None]:
-    """The most symmetric tiling within a limit [mm], and a more symmetric one not far, if any."""
-    farther: Symmetrized | None = None
+def symmetry_within(cell: TiledCell, limit: float) -> Symmetrized:
+    """The most symmetric tiling of which no corner lies farther than a limit [mm]."""
     for tolerance in (NEAR * cell.size, 4.0 * limit, limit):
         found = symmetrized(cell, tolerance, limit)
-        if found is None:
-            continue
-        if found.off <= limit:
-            more = farther if farther and farther.order > found.order else None
-            return found, more
-        if farther is None or found.order > farther.order:
-            farther = found
-    return Symmetrized(cell, "p1", 1, 0.0), farther
+        if found is not None and found.off <= limit:
+            return found
+    return Symmetrized(cell, "p1", 1, 0.0)
+
+
+def symmetry_near(drawing: Drawing) -> Symmetrized | None:
+    """The most symmetric tiling of which the outlines lie within 1e-3 of a tile's size."""
+    within = NEAR * drawing.size
+    try:
+        cell = build_cell(drawing.tiles, drawing.lattice, within)
+    except PatternError:  # corners so near are no noise
+        return None
+    found = symmetrized(cell, within, within)
+    if found is None or found.order == 1:
+        return None
+    rings = [
+        (shapely.linearrings(tile), shapely.linearrings(image))
+        for tile, image in zip(drawing.tiles, found.cell.tiles, strict=True)
+    ]
+    off = max(float(shapely.hausdorff_distance(one, other)) for one, other in rings)
+    return replace(found, off=max(off, found.off)) if off <= within else None

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,20 +13,19 @@ from flexscale import checks
 from flexscale.checks import Check, checked, instance, length, number
 from flexscale.errors import PatternError, shown, suggest
 from flexscale.patterns.cell import TiledCell, build_cell
-from flexscale.patterns.drawing import Drawing, corner_tolerance, own_digits, read_drawing
-from flexscale.patterns.exact_symmetry import best_symmetry
+from flexscale.patterns.drawing import read_drawing
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
 from flexscale.patterns.names import pattern_name
 from flexscale.patterns.polygons import lattice_vector, polygons
 from flexscale.patterns.prototiles import CONGRUENT, Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
+from flexscale.patterns.typed_cell import symmetrized_drawing, typed_cell
 from flexscale.tilings import Tiling
 from flexscale.tilings.drawn_symmetry import TOLERANCE, drawn_symmetry, primitive_cell
 from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import AREAS, LENGTHS, require_range
 
 CUSTOM = "custom"
-log = logging.getLogger(__name__)
 
 #: Checks of what both constructors take.
 _OF_SCALES: dict[str, Check] = {
@@ -134,19 +131,28 @@ class Pattern:
         scale_material: NeoHookean = PETG,
         substrate_material: NeoHookean = TPU,
         name: str = CUSTOM,
+        symmetrize: bool = False,
     ) -> Pattern:
         """Pattern of any polygons that cover the plane when shifted by a lattice.
+
+        Where they were drawn does not matter: the first corner of the first tile becomes the
+        origin. Corners count to 1e-9 of a tile's size, and to the last decimal that is typed:
+        where the pattern is symmetric to within it, it becomes exactly so.
 
         Parameters
         ----------
         tiles : polygons (n_i, 2), mm, one per lattice class, in either orientation.
         t1, t2 : (2,) lattice vectors, mm; they are exchanged if left-handed.
+        symmetrize : whether to make it the most symmetric pattern within 1e-3 of a tile's size,
+            also where that moves corners by more than their last decimal.
 
         The other parameters are those of the class.
         """
         pattern = cls.__new__(cls)
         drawing = read_drawing(tiles, t1, t2)
-        cell = _tiled(drawing)
+        if symmetrize:
+            drawing = symmetrized_drawing(drawing)
+        cell = typed_cell(drawing)
         sizes = (gap, scale_height, substrate_thickness, bond_radius)
         pattern._fill(cell, name, sizes, scale_material, substrate_material)
         # Kept as drawn: rebuilding from the corners merged here would move the last bits.
@@ -218,6 +224,18 @@ class Pattern:
         tolerance = TOLERANCE if self.tiling else CONGRUENT
         return drawn_symmetry(self.tiles, self.lattice, tolerance=tolerance)
 
+    def symmetrize(self) -> Pattern:
+        """The most symmetric pattern of which the tiles lie within 1e-3 of their size.
+
+        For polygons that were rounded more than their digits tell. Those of families are exact.
+        """
+        if self.tiling:
+            return self
+        tiles, lattice = self._given
+        kept = {key: getattr(self, key) for key in ("name", *SIZES, *MATERIALS)}
+        kept["bond_radius"] = self._given_bond_radius
+        return Pattern.from_polygons(tiles, *lattice, symmetrize=True, **kept)
+
     def with_(self, **changes: Any) -> Pattern:
         """Copy with some constructor parameters changed.
 
@@ -263,8 +281,9 @@ class Pattern:
         family = values.pop("family", CUSTOM)
         of_family = {"parameters", "edges", "tile_area"}
         shape = {"tiles", "lattice"} if family == CUSTOM else of_family
+        may_be = {"symmetrize"} if family == CUSTOM else set()
         for key in values:
-            if key not in shape | {"name", *SIZES, *MATERIALS}:
+            if key not in shape | may_be | {"name", *SIZES, *MATERIALS}:
                 raise PatternError(
                     f"A pattern of family {family!r} has no key {key!r}. "
                     f"{suggest(key, sorted(shape | {'name', *SIZES, *MATERIALS}))}"
@@ -296,33 +315,6 @@ class Pattern:
 
 SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
 MATERIALS = ("scale_material", "substrate_material")
-
-
-def _tiled(drawing: Drawing) -> TiledCell:
-    """The cell of polygons, with all symmetry that they have to their digits."""
-    for unit in drawing.units:
-        try:
-            tolerance = corner_tolerance(unit, drawing.size)
-            cell = build_cell(drawing.tiles, drawing.lattice, tolerance)
-        except PatternError:
-            # Tiles or lattice may have been typed with fewer digits than the other.
-            if unit == drawing.units[-1]:
-                raise
-        else:
-            break
-    found, more = best_symmetry(cell, own_digits(unit, drawing.size))
-    if more is not None:
-        _notice(
-            f"The pattern is nearly {more.group}, off by {more.off:.1g} mm, and is computed as "
-            f"{found.group}: rounded? `symmetrize` makes it exact."
-        )
-    return found.cell
-
-
-@cache
-def _notice(text: str) -> None:
-    """Say something about a pattern, once."""
-    log.warning("%s", text)
 
 
 def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:

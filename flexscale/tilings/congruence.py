@@ -80,13 +80,17 @@ class PlacedTiles:
         # A distance in fractions is at most the distance in mm over the least singular value.
         widest = reach / np.linalg.svd(self.lattice, compute_uv=False)[-1]
         near = self._tree.query_ball_point(_in_cell(points, self.lattice), widest)
-        found = []
-        for point, others in zip(points, near, strict=True):
-            apart = point - self.centroids[others]
-            apart -= np.rint(apart @ np.linalg.inv(self.lattice)) @ self.lattice
-            close = np.linalg.norm(apart, axis=1) <= reach
-            found.append(sorted(np.array(others)[close].tolist()))
-        return found
+        which = np.repeat(np.arange(len(points)), [len(others) for others in near])
+        others = np.concatenate(near).astype(int)
+        apart = points[which] - self.centroids[others]
+        apart -= np.rint(apart @ np.linalg.inv(self.lattice)) @ self.lattice
+        found: list[list[int]] = [[] for _ in points]
+        for close, point, other in zip(
+            np.hypot(*apart.T) <= reach, which.tolist(), others.tolist(), strict=True
+        ):
+            if close:
+                found[point].append(other)
+        return [sorted(same) for same in found]
 
     @cached_property
     def _tree(self) -> cKDTree:

@@ -1,0 +1,65 @@
+"""The cell of typed polygons, with all symmetry that they have to their digits."""
+
+from __future__ import annotations
+
+import logging
+from functools import cache
+
+from flexscale.errors import PatternError
+from flexscale.patterns.cell import TiledCell, build_cell
+from flexscale.patterns.drawing import Drawing, corner_tolerance, own_digits, read_drawing
+from flexscale.patterns.exact_symmetry import symmetry_near, symmetry_within
+
+log = logging.getLogger(__name__)
+
+
+def typed_cell(drawing: Drawing) -> TiledCell:
+    """Tiles that cover the plane, moved by their own digits only, and exactly symmetric.
+
+    Where the pattern is nearly more symmetric, but not to its digits, a warning in the log says so.
+
+    Raises
+    ------
+    PatternError : see `build_cell`.
+    """
+    cell, unit = _cell(drawing)
+    found = symmetry_within(cell, own_digits(unit, drawing.size))
+    farther = symmetry_near(drawing)
+    if farther is not None and farther.order > found.order:
+        _notice(
+            f"The pattern is nearly {farther.group}, off by {farther.off:.1g} mm, and is computed "
+            f"as {found.group}: rounded? `symmetrize` makes it exact."
+        )
+    return found.cell
+
+
+def symmetrized_drawing(drawing: Drawing) -> Drawing:
+    """The most symmetric pattern within 1e-3 of a tile's size.
+
+    Raises
+    ------
+    PatternError : see `build_cell`.
+    """
+    found = symmetry_near(drawing)
+    return read_drawing(found.cell.tiles, *found.cell.lattice) if found else drawing
+
+
+def _cell(drawing: Drawing) -> tuple[TiledCell, float]:
+    """The tiles with all corners, and the unit [mm] to which they were typed."""
+    *finer, coarsest = drawing.units
+    for unit in finer:
+        try:
+            return _to_unit(drawing, unit), unit
+        except PatternError:  # tiles or lattice may have been typed with fewer digits than others
+            continue
+    return _to_unit(drawing, coarsest), coarsest
+
+
+def _to_unit(drawing: Drawing, unit: float) -> TiledCell:
+    return build_cell(drawing.tiles, drawing.lattice, corner_tolerance(unit, drawing.size))
+
+
+@cache
+def _notice(text: str) -> None:
+    """Say something about a pattern, once."""
+    log.warning("%s", text)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -28,14 +28,16 @@ def call(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
 
 
 def test_help_is_instant() -> None:
+    """Processor time: what else the machine does is no matter."""
     command = [sys.executable, "-m", "flexscale.cli", "--help"]
     times = []
     for _ in range(3):
-        start = time.perf_counter()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-        times.append(time.perf_counter() - start)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        times.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
     assert "Exit codes" in done.stdout
-    # 0.3 s is the promise on a quiet machine; twice that on one that runs other tests.
+    # 0.3 s is the promise on a quiet machine; a busy one is up to twice as slow.
     assert min(times) < 0.6
 
 

@@ -20,6 +20,7 @@ FLOORS = {
     "kernel_cache": 0,
     "processes": 0,
     "system_failures": 0,
+    "gmsh_library": 0,
     "tilings": 1,
     "patterns": 2,
     "mesh": 3,
@@ -41,7 +42,7 @@ SIDE = {
 }
 #: Libraries that few rooms or files may import; the workflow engine only ever runs as a program.
 LIBRARY_HOMES: dict[str, set[str]] = {
-    "gmsh": {"mesh/prototile.py"},
+    "gmsh": {"gmsh_library.py"},
     "snakemake": set(),
     "pypardiso": {"solve"},
     "ipctk": {"mechanics"},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import importlib.metadata
 import json
 import os
@@ -10,24 +9,16 @@ import platform
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 import psutil
 from packaging.requirements import Requirement
 
+from flexscale.cli import system_libraries
 from flexscale.errors import MissingSystemPartError
 
-#: System libraries that gmsh's wheel loads but does not carry -> Debian package.
-GMSH_LIBRARIES = {
-    "libGLU.so.1": "libglu1-mesa",
-    "libGL.so.1": "libgl1",
-    "libXrender.so.1": "libxrender1",
-    "libXcursor.so.1": "libxcursor1",
-    "libXft.so.2": "libxft2",
-    "libXinerama.so.1": "libxinerama1",
-    "libgomp.so.1": "libgomp1",
-}
+_START_GMSH = "from flexscale.gmsh_library import load_gmsh; print(load_gmsh().__version__)"
 _GIB = 2.0**30
 _MIN_MEMORY = 2.0  # GiB
 _MIN_DISK = 1.0  # GiB
@@ -44,24 +35,21 @@ class Finding:
 
 
 def examine(*, as_json: bool = False, quiet: bool = False, fix: bool = False) -> int:
-    """Print what was found; install missing system libraries first when asked to.
+    """Print what was found; bring missing system libraries first when asked to.
 
     Parameters
     ----------
     as_json : print JSON.
     quiet : print only what is missing.
-    fix : run the fix for missing system libraries if this process may (root, apt-get).
+    fix : install missing system libraries, or without root unpack them beside the environment.
 
     Returns
     -------
     0, or 4 when something needed is missing.
     """
+    if fix:
+        _bring_libraries()
     findings = _findings()
-    command = next((item.fix for item in findings if item.subject == "system libraries"), "")
-    if fix and command and _may_install():
-        print(f"doctor: {command}", file=sys.stderr)
-        _install(command)
-        findings = _findings()
     missing = [item for item in findings if item.level == "missing"]
     if as_json:
         sys.stdout.write(json.dumps([asdict(item) for item in findings], indent=1) + "\n")
@@ -70,6 +58,20 @@ def examine(*, as_json: bool = False, quiet: bool = False, fix: bool = False) ->
             remedy = f"\n{'':10}fix: {item.fix}" if item.fix else ""
             sys.stdout.write(f"{item.level:<9} {item.subject}: {item.message}{remedy}\n")
     return MissingSystemPartError.exit_code if missing else 0
+
+
+def _bring_libraries() -> None:
+    """Bring the system libraries that are absent, where this process can."""
+    packages = list(_absent_libraries().values())
+    if packages and system_libraries.may_install():
+        system_libraries.install(packages)
+    elif packages and system_libraries.may_unpack():
+        system_libraries.unpack(packages)
+
+
+def _absent_libraries() -> dict[str, str]:
+    """Library -> package; Linux only: elsewhere they are part of gmsh."""
+    return system_libraries.absent_libraries() if platform.system() == "Linux" else {}
 
 
 def _findings() -> list[Finding]:
@@ -105,21 +107,21 @@ def check_packages() -> Finding:
 
 
 def check_system_libraries() -> Finding:
-    """Shared libraries that gmsh needs from the system (Linux only)."""
-    if platform.system() != "Linux":
-        return Finding("ok", "system libraries", "part of gmsh on this system")
-    absent = {name: package for name, package in GMSH_LIBRARIES.items() if not _loads(name)}
+    """Shared libraries that gmsh needs from the system."""
+    absent = _absent_libraries()
     if not absent:
         return Finding("ok", "system libraries", "all that gmsh needs are there")
-    return Finding(
-        "missing", "system libraries", ", ".join(absent), install_command(absent.values())
-    )
+    message = ", ".join(absent)
+    if system_libraries.may_unpack() and not system_libraries.may_install():
+        message += "; without root, `flexscale doctor --fix` unpacks them beside the environment"
+    remedy = system_libraries.install_command(absent.values())
+    return Finding("missing", "system libraries", message, remedy)
 
 
 def check_gmsh() -> Finding:
     """The mesh generator starts; tried in another process, since loading it is slow."""
     done = subprocess.run(
-        [sys.executable, "-c", "import gmsh; print(gmsh.__version__)"],
+        [sys.executable, "-c", _START_GMSH],
         capture_output=True,
         text=True,
         check=False,
@@ -155,34 +157,6 @@ def check_disk() -> Finding:
         reason = f"{free:.1f} GiB free" if writable else "the current folder cannot be written"
         return Finding("note", "disk", f"{reason}; choose a place with --results DIR")
     return Finding("ok", "disk", f"{free:.0f} GiB free here")
-
-
-def install_command(packages: Iterable[str]) -> str:
-    """The exact line that installs packages on Debian or Ubuntu."""
-    names = " ".join(packages)
-    return f"apt-get update && apt-get install -y --no-install-recommends {names}"
-
-
-def _install(command: str) -> None:
-    environment = dict(os.environ) | {"DEBIAN_FRONTEND": "noninteractive"}
-    done = subprocess.run(
-        ["sh", "-c", command], env=environment, capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        tail = "\n".join((done.stdout + done.stderr).strip().splitlines()[-5:])
-        raise MissingSystemPartError(f"Installing system libraries failed: {command}\n{tail}")
-
-
-def _may_install() -> bool:
-    return os.geteuid() == 0 and shutil.which("apt-get") is not None
-
-
-def _loads(library: str) -> bool:
-    try:
-        ctypes.CDLL(library)
-    except OSError:
-        return False
-    return True
 
 
 def _fulfilled(requirement: Requirement) -> bool:

@@ -13,7 +13,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from flexscale.errors import MeshError, MissingSystemPartError
+from flexscale.errors import MeshError
+from flexscale.gmsh_library import load_gmsh
 from flexscale.mesh.subdivision import ROUNDING
 from flexscale.mesh.wedge import CENTER, Region, fundamental_loops
 
@@ -105,13 +106,7 @@ def _jump_fractions(length: float, ends: list[float], largest: float, growth: fl
 @contextmanager
 def _gmsh_model() -> Iterator[Any]:
     """A fresh gmsh model with fixed options; configuration files of the user are not read."""
-    try:
-        import gmsh
-    except OSError as error:
-        raise MissingSystemPartError(
-            f"gmsh cannot be loaded ({error}): run `flexscale doctor` for the command that "
-            "installs the system libraries it needs."
-        ) from error
+    gmsh = load_gmsh()
     own = not gmsh.isInitialized()
     if own:
         gmsh.initialize(readConfigFiles=False, interruptible=False)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from flexscale.cli import doctor, main
+from flexscale.cli import doctor, main, system_libraries
 from flexscale.datasets.identity import Recipe
 from flexscale.datasets.store import Store
 from flexscale.steps.events import EventReader, EventWriter
@@ -116,7 +116,7 @@ def test_bug_is_reported_as_one(
 def test_doctor_names_the_package_of_a_missing_library(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(doctor, "_loads", lambda name: name != "libGLU.so.1")
+    monkeypatch.setattr(system_libraries, "has_library", lambda name: name != "libGLU.so.1")
     monkeypatch.setattr(doctor.platform, "system", lambda: "Linux")
     assert call(monkeypatch, "doctor", "--json") == 4
     findings = {item["subject"]: item for item in json.loads(capsys.readouterr().out)}
@@ -124,35 +124,38 @@ def test_doctor_names_the_package_of_a_missing_library(
     assert findings["system libraries"]["fix"].endswith("--no-install-recommends libglu1-mesa")
 
 
-def test_doctor_fix_without_root_prints_the_line(
+def test_doctor_fix_where_nothing_can_be_brought_prints_the_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(doctor, "_loads", lambda name: name != "libGL.so.1")
-    monkeypatch.setattr(doctor, "_may_install", lambda: False)
+    monkeypatch.setattr(system_libraries, "has_library", lambda name: name != "libGL.so.1")
+    monkeypatch.setattr(system_libraries, "may_install", lambda: False)
+    monkeypatch.setattr(system_libraries, "may_unpack", lambda: False)
     monkeypatch.setattr(doctor.platform, "system", lambda: "Linux")
     assert call(monkeypatch, "doctor", "--fix", "--quiet") == 4
     assert "apt-get install -y --no-install-recommends libgl1" in capsys.readouterr().out
 
 
-def test_doctor_fix_as_root_installs_and_looks_again(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("way", ["install", "unpack"])
+def test_doctor_fix_brings_what_is_absent_and_looks_again(
+    way: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Root installs; others unpack."""
     absent = {"libXft.so.2"}
-    ran = []
+    brought = []
 
-    def install(command: str) -> None:
-        ran.append(command)
+    def bring(packages: list[str]) -> None:
+        brought.extend(packages)
         absent.clear()
 
-    monkeypatch.setattr(doctor, "_loads", lambda name: name not in absent)
-    monkeypatch.setattr(doctor, "_may_install", lambda: True)
-    monkeypatch.setattr(doctor, "_install", install)
+    monkeypatch.setattr(system_libraries, "has_library", lambda name: name not in absent)
+    monkeypatch.setattr(system_libraries, "may_install", lambda: way == "install")
+    monkeypatch.setattr(system_libraries, "may_unpack", lambda: True)
+    monkeypatch.setattr(system_libraries, way, bring)
     monkeypatch.setattr(doctor.platform, "system", lambda: "Linux")
     assert call(monkeypatch, "doctor", "--fix", "--json") in (0, 4)
     findings = {item["subject"]: item for item in json.loads(capsys.readouterr().out)}
     assert findings["system libraries"]["level"] == "ok"
-    assert len(ran) == 1
-    assert ran[0].endswith(" libxft2")
+    assert brought == ["libxft2"]
 
 
 def test_events_come_whole_and_once(tmp_path: Path) -> None:

@@ -35,6 +35,7 @@ def checked(**checks: Check) -> Callable[[Checked], Checked]:
         if isinstance(target, type):
             initialize = checked(**checks)(target.__init__)  # type: ignore[misc]
             target.__init__ = initialize  # type: ignore[misc]
+            target.__checks__ = checks  # type: ignore[attr-defined]
             return target
         signature = inspect.signature(target)
         parameters = signature.parameters
@@ -53,6 +54,29 @@ def checked(**checks: Check) -> Callable[[Checked], Checked]:
         return cast(Checked, call)
 
     return decorate
+
+
+def bounds_of(check: Any) -> str:
+    """Bounds of the numbers that a check takes, for people: "> 0  < 0.5"; "" if it has none."""
+    return str(getattr(check, "bounds", ""))
+
+
+def choices_of(check: Any) -> tuple[str, ...]:
+    """Names that a check takes; none if it takes something else."""
+    return tuple(getattr(check, "choices", ()))
+
+
+def _telling(check: Check, **facts: Any) -> Check:
+    """The check, with what `bounds_of` and `choices_of` tell of it."""
+    vars(check).update(facts)
+    return check
+
+
+def _range(low: float, high: float, above: float = -math.inf, below: float = math.inf) -> str:
+    least = f">= {low:g}" if low > above else f"> {above:g}"
+    most = f"<= {high:g}" if high < below else f"< {below:g}"
+    finite = ((least, max(low, above)), (most, min(high, below)))
+    return "  ".join(text for text, value in finite if math.isfinite(value))
 
 
 def number(
@@ -79,17 +103,23 @@ def number(
             )
         return found
 
-    return check
+    return _telling(check, bounds=_range(low, high, above, below))
 
 
 def length(name: str = "") -> Check:
     """A length in mm, within `units.LENGTHS`."""
-    return lambda value, label: units.require_length(value, name or label)
+    return _telling(
+        lambda value, label: units.require_length(value, name or label),
+        bounds=_range(*units.LENGTHS),
+    )
 
 
 def whole(low: int, high: int, name: str = "") -> Check:
     """A whole number in the closed range [low, high]."""
-    return lambda value, label: units.require_whole(value, name or label, low, high)
+    return _telling(
+        lambda value, label: units.require_whole(value, name or label, low, high),
+        bounds=_range(low, high),
+    )
 
 
 def series(unit: str, name: str = "") -> Check:
@@ -117,7 +147,7 @@ def point(unit: str, name: str = "") -> Check:
 
 def choice(what: str, known: Collection[str]) -> Check:
     """One of the known names."""
-    return lambda value, label: require_choice(value, what, known)
+    return _telling(lambda value, label: require_choice(value, what, known), choices=tuple(known))
 
 
 def choices(what: str, known: Collection[str]) -> Check:

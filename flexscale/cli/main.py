@@ -86,7 +86,11 @@ def doctor(
     json: Json = False,
     quiet: Quiet = False,
     fix: Annotated[
-        bool, typer.Option("--fix", help="Install missing system libraries (needs root, Debian).")
+        bool,
+        typer.Option(
+            "--fix",
+            help="Bring missing system libraries (apt-get), unpacked if not root.",
+        ),
     ] = False,
 ) -> None:
     """Say what this machine lacks and what fixes it."""
@@ -95,8 +99,20 @@ def doctor(
     raise typer.Exit(examine(as_json=json, quiet=quiet, fix=fix))
 
 
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"flexscale {version('flexscale')}\n")
+        raise typer.Exit
+
+
 @app.callback()
 def _common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_version, is_eager=True),
+    ] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Show what the library logs.")
     ] = False,

@@ -79,7 +79,8 @@ class Progress:
         if kind == "start":
             self.working[job_id] = time.monotonic()
         elif kind == "sample":
-            self.samples[job_id] = event["done"]
+            # A sweep solves one more, to check symmetry, than the plan counts.
+            self.samples[job_id] = min(event["done"], self.plan[job_id].n_samples)
             self.n_failed[job_id] = event["n_failed"]
             bent = event.get("curvature")
             load = f"{event['shortening']:g} mm" if bent is None else f"{bent:g} mm-1"

@@ -16,7 +16,7 @@ from flexscale.steps.engine import finished_jobs, run_plan
 from flexscale.steps.estimate import estimate_seconds
 from flexscale.steps.experiment import Experiment, load_experiment
 from flexscale.steps.plan import Job, Plan, build_plan
-from flexscale.steps.summary import describe_fields, outcome
+from flexscale.steps.summary import describe_experiment, outcome
 
 NOT_CONVERGED = 3
 
@@ -153,5 +153,5 @@ def _all_cores() -> int:
 
 
 def list_fields() -> str:
-    """What an experiment file may contain: key, unit, default, meaning, bounds."""
-    return describe_fields(Experiment)
+    """What an experiment file may contain: key, unit, default, bounds, meaning."""
+    return describe_experiment(Experiment)

@@ -107,8 +107,9 @@ def sweep(
     Parameters
     ----------
     pattern : the scale pattern.
-    directions : degree in [0, 180), measured from the x axis of the pattern's coordinates; one
-        number is a series of one, here and in `curvatures`.
+    directions : degree in [0, 180), along which the sheet curves, measured from the x axis of the
+        pattern's coordinates: bent in 0°, it is a piece of a tube whose axis, and every fold line,
+        runs across, at 90°. One number is a series of one, here and in `curvatures`.
     curvatures : mm-1, non-negative and increasing.
     sides : "closing", "opening", or both.
     mesh, solver, contact, substrate, scales : element sizes, solver, contact, substrate and scale
@@ -122,7 +123,8 @@ def sweep(
     Returns
     -------
     xarray.Dataset of kind sweep/1 (see `datasets.schema`). Samples that did not converge hold NaN
-    and a `status`. The moment is the derivative of the energy density by the curvature's magnitude.
+    and a `status`. The moment is the derivative of the energy density [N mm per mm2] by the
+    curvature's magnitude [mm-1], and so in N: N mm for each mm of the sheet's width.
     `symmetry_source` tells which direction was solved.
 
     Raises

@@ -14,16 +14,17 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
+from flexscale.checks import length
 from flexscale.errors import UnknownNameError, shown, suggest
 from flexscale.patterns.material import PETG, TPU, NeoHookean
 from flexscale.patterns.named import find_named_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.quantities import declared, series, several, unit, within
-from flexscale.units import MODULI, RATIOS, require_length
+from flexscale.units import MODULI, RATIOS
 
 Length = Annotated[float, unit("mm")]
 #: A length of something, which is positive; other lengths are places.
-Size = Annotated[float, unit("mm"), within(require_length, "a length")]
+Size = Annotated[float, unit("mm"), within(length(), "a length")]
 Area = Annotated[float, unit("mm2")]
 Curvature = Annotated[float, unit("mm-1")]
 Modulus = Annotated[float, unit("MPa")]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from flexscale.checks import choice
 from flexscale.errors import (
     BadInputError,
     ConfigError,
@@ -42,8 +43,9 @@ from flexscale.steps.blocks import (
     Sides,
     increasing,
 )
+from flexscale.steps.figures import FIGURES
 from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
-from flexscale.steps.quantities import declared, several
+from flexscale.steps.quantities import declared, several, within
 from flexscale.steps.sheet_blocks import (
     NativeRigBlock,
     NativeSheetBlock,
@@ -53,36 +55,10 @@ from flexscale.steps.sheet_blocks import (
 )
 from flexscale.steps.yaml_file import read_yaml
 
-FigureName = Literal[
-    "polar",
-    "curves",
-    "tangent",
-    "cell",
-    "fit",
-    "fitted_curves",
-    "macro_polar",
-    "sheet",
-    "turned_sheet",
-    "native_sheet",
-    "rig",
-    "native_rig",
-]
+FigureName = Annotated[str, within(choice("figure", FIGURES), "figure")]
 _MOST_MISTAKES = 20  # of a file, told at once
-#: Blocks a figure needs.
-_FIGURE_BLOCKS = {
-    "polar": "sweep",
-    "curves": "sweep",
-    "tangent": "tangent",
-    "cell": "shapes",
-    "fit": "fit",
-    "fitted_curves": "fit",
-    "macro_polar": "fit",
-    "sheet": "sheet",
-    "turned_sheet": "turned_sheet",
-    "native_sheet": "native_sheet",
-    "rig": "rigs",
-    "native_rig": "native_rig",
-}
+#: Blocks of steps that have other names than these.
+_BLOCKS = {"shape": "shapes", "rig": "rigs"}
 
 
 class SweepBlock(Block):
@@ -92,7 +68,10 @@ class SweepBlock(Block):
         ("closing", "opening"), "sides to bend to: closing, opening", min_length=1
     )
     directions: BendingDirections = declared(
-        ..., "bending directions, increasing, from 0 to below 180", min_length=1
+        ...,
+        "directions along which the sheet curves, fold lines run across; increasing, from 0 to "
+        "below 180",
+        min_length=1,
     )
     curvatures: Curvatures = declared(..., "curvatures, increasing from 0", min_length=1)
     symmetry: bool = declared(True, "solve equivalent directions once; false solves all")
@@ -140,7 +119,7 @@ class ShapeBlock(Block):
     """A deformed cell to look at."""
 
     side: Side = declared("closing", "side to bend to: closing, opening")
-    direction: Direction = declared(0.0, "bending direction", ge=0.0, lt=180.0)
+    direction: Direction = declared(0.0, "along which the sheet curves", ge=0.0, lt=180.0)
     curvature: Curvature = declared(..., "curvature", gt=0.0)
 
 
@@ -199,7 +178,8 @@ class Experiment(Block):
     @model_validator(mode="after")
     def _figures_have_data(self) -> Self:
         for name in self.figures:
-            block = _FIGURE_BLOCKS[name]
+            step = FIGURES[name].needs[0]
+            block = _BLOCKS.get(step, step)
             if getattr(self, block) in (None, ()):
                 raise PydanticCustomError(
                     "figure",

@@ -9,6 +9,7 @@ from typing import Annotated, Any, NamedTuple, Protocol
 from pydantic import BeforeValidator, PlainSerializer
 from pydantic_core import PydanticCustomError
 
+from flexscale.checks import bounds_of, choices_of
 from flexscale.errors import shown, suggest
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
@@ -26,12 +27,14 @@ class Options(Protocol):
 
 
 class OptionField(NamedTuple):
-    """One field of an option class, as its docstring declares it."""
+    """One field of an option class, as its docstring and its check declare it."""
 
     name: str
     unit: str
     default: Any
     meaning: str
+    bounds: str
+    choices: tuple[str, ...]
 
 
 def option_fields(options: type[Options]) -> list[OptionField]:
@@ -41,7 +44,7 @@ def option_fields(options: type[Options]) -> list[OptionField]:
     """
     entries = re.findall(r"^    (\w+) : (.+(?:\n {8}.+)*)", options.__doc__ or "", re.MULTILINE)
     documented = {name: " ".join(text.split()).rstrip(".") for name, text in entries}
-    found = []
+    checks, found = getattr(options, "__checks__", {}), []
     for field in dataclasses.fields(options):  # type: ignore[arg-type]
         if field.metadata.get("experiment", True):
             text = documented.get(field.name, "")
@@ -53,6 +56,8 @@ def option_fields(options: type[Options]) -> list[OptionField]:
                     unit if known else "",
                     field.default,
                     meaning if known else text,
+                    bounds_of(checks.get(field.name)),
+                    choices_of(checks.get(field.name)),
                 )
             )
     return found

@@ -5,7 +5,6 @@ One value where a series may stand is a series of one, as everywhere.
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import unicodedata
@@ -144,6 +143,7 @@ def within(check: Callable[[float, str], object], what: str) -> AfterValidator:
         except BadInputError as error:
             raise PydanticCustomError("bounds", "{said}", {"said": str(error)}) from error
 
+    vars(validate).update(vars(check))  # bounds and choices, which `run --fields` tells
     return AfterValidator(validate)
 
 
@@ -163,10 +163,19 @@ def declared(default: Any, meaning: str, **bounds: Any) -> Any:
     return Field(default, description=meaning, validate_default=True, **bounds)
 
 
+def markers_of(field: FieldInfo) -> list[Any]:
+    """All that a field's annotation is marked with, and the annotations within it."""
+    found, waiting = [*field.metadata], [field.annotation]
+    while waiting:
+        annotation = waiting.pop()
+        found += getattr(annotation, "__metadata__", ())
+        waiting += [item for item in get_args(annotation) if get_args(item)]
+    return found
+
+
 def unit_of(field: FieldInfo) -> str:
     """Unit a field was annotated with, that of its items for a series; "" for text."""
-    optional = (getattr(inner, "__metadata__", ()) for inner in get_args(field.annotation))
-    for marker in (*field.metadata, *itertools.chain.from_iterable(optional)):
+    for marker in markers_of(field):
         quantity = getattr(getattr(marker, "func", None), "__self__", None)
         if isinstance(quantity, Quantity):
             return quantity.unit

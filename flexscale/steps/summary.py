@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, get_args, get_origin
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from flexscale.checks import bounds_of, choices_of
 from flexscale.datasets.store import Entry, Store
 from flexscale.datasets.variables import statuses
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mesh.options import MeshOptions
-from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
 from flexscale.steps.blocks import MATERIALS
-from flexscale.steps.option_blocks import option_fields
-from flexscale.steps.quantities import unit_of
+from flexscale.steps.option_blocks import Options, option_fields
+from flexscale.steps.quantities import markers_of, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,41 +71,74 @@ def outcome(store: Store, entry: Entry) -> tuple[str, list[str]]:
     return text, failed_samples(store.load(entry)) if failed else []
 
 
-def describe_fields(block: type[BaseModel], prefix: str = "") -> str:
-    """Lines on every field of an experiment block: name, unit, default and bounds, meaning."""
+_HEADINGS = ("key", "unit", "default", "bounds", "meaning")
+
+
+def describe_experiment(block: type[BaseModel]) -> str:
+    """Table of every field of an experiment: name, unit, default, bounds, meaning and names."""
+    return _line(*_HEADINGS) + _describe(block, "")
+
+
+def _describe(block: type[BaseModel], prefix: str) -> str:
     lines = []
     for name, field in block.model_fields.items():
-        place, meaning = f"{prefix}{name}", field.description or ""
-        inner = _inner_block(field.annotation)
-        facts = [f"{_SIGNS[key]} {value:g}" for key, value in _bounds(field).items()]
-        if field.is_required():
-            facts.insert(0, "required")
-        elif inner is None or field.default in MATERIALS.values():
-            facts.insert(0, _shown(field.default))
-        if field.annotation in (MeshOptions, ContactOptions, SolverOptions):
-            lines.append(_line(place, "", "", meaning))
-            lines += [
-                _line(f"{place}.{item.name}", item.unit, _shown(item.default), item.meaning)
-                for item in option_fields(field.annotation)
-            ]
-            continue
-        lines.append(_line(place, unit_of(field), "  ".join(facts), meaning))
+        place = f"{prefix}{name}"
+        inner, options = _inner_block(field.annotation), _options(field.annotation)
+        default = "required" if field.is_required() else _shown(field.default)
+        if options is not None or (inner is not None and field.default not in MATERIALS.values()):
+            default = default if field.is_required() else ""
+        meaning = _with_choices(field.description or "", _choices(field))
+        lines.append(_line(place, unit_of(field), default, _bounds(field), meaning))
+        for item in option_fields(options) if options is not None else ():
+            meaning = _with_choices(item.meaning, item.choices)
+            where = f"{place}.{item.name}"
+            lines.append(_line(where, item.unit, _shown(item.default), item.bounds, meaning))
         if inner is not None:
             step = ".NAME." if get_origin(field.annotation) is dict else "."
-            lines.append(describe_fields(inner, place + step))
+            lines.append(_describe(inner, place + step))
     return "".join(lines)
 
 
-def _line(place: str, unit: str, facts: str, meaning: str) -> str:
-    return f"{place:<47} {unit if unit != '1' else '':<7} {facts:<22} {meaning}\n"
+def _line(place: str, unit: str, default: str, bounds: str, meaning: str) -> str:
+    unit = "" if unit == "1" else unit
+    return f"{place:<47} {unit:<7} {default:<20} {bounds:<22} {meaning}\n"
 
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
 
-def _bounds(field: FieldInfo) -> dict[str, float]:
-    found = ((key, getattr(item, key, None)) for item in field.metadata for key in _SIGNS)
-    return {key: value for key, value in found if value is not None}
+def _bounds(field: FieldInfo) -> str:
+    """For instance "> 0"; those of a check of the package are closer than signs beside it."""
+    told = [bounds_of(getattr(marker, "func", None)) for marker in markers_of(field)]
+    found = ((key, getattr(item, key, None)) for item in markers_of(field) for key in _SIGNS)
+    signs = [f"{_SIGNS[key]} {value:g}" for key, value in found if value is not None]
+    return "  ".join([item for item in told if item] or signs)
+
+
+def _choices(field: FieldInfo) -> tuple[str, ...]:
+    """Names that a field takes."""
+    for marker in markers_of(field):
+        if choices := choices_of(getattr(marker, "func", None)):
+            return choices
+    waiting = [field.annotation]
+    while waiting:
+        annotation = waiting.pop()
+        if get_origin(annotation) is Literal:
+            return tuple(map(str, get_args(annotation)))
+        waiting += get_args(annotation)
+    return ()
+
+
+def _with_choices(meaning: str, choices: tuple[str, ...]) -> str:
+    """The meaning, and the names to choose from unless it has them already."""
+    if all(name in meaning for name in choices):
+        return meaning
+    return f"{meaning}: {', '.join(choices)}"
+
+
+def _options(annotation: Any) -> type[Options] | None:
+    """Class of an option block."""
+    return annotation if hasattr(annotation, "to_config") else None
 
 
 def _inner_block(annotation: Any) -> type[BaseModel] | None:

@@ -6,14 +6,18 @@ import json
 import resource
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from flexscale.cli import doctor, main, system_libraries
+from flexscale.cli.progress import Progress
 from flexscale.datasets.identity import Recipe
 from flexscale.datasets.store import Store
 from flexscale.steps.events import EventReader, EventWriter
+from flexscale.steps.experiment import parse_experiment
+from flexscale.steps.plan import build_plan
 from tests.unit.dataset_samples import cell, sweep
 
 ROOT = Path(__file__).parents[2]
@@ -85,6 +89,31 @@ def test_fields_are_data(
 ) -> None:
     assert call(monkeypatch, "run", "--fields") == 0
     assert "patterns.NAME.gap" in capsys.readouterr().out
+
+
+def test_version_is_that_of_the_package(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "--version") == 0
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert capsys.readouterr().out == f"flexscale {project['version']}\n"
+
+
+def test_progress_never_counts_more_samples_than_there_are(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A sweep solves one more than its own, as a check of the pattern's symmetry."""
+    content = {
+        "patterns": {"square": {"family": "IH76"}},
+        "sweep": {"directions": [0, 90], "curvatures": [0, 0.001]},
+    }
+    plan = build_plan(parse_experiment(content, "file.yaml"))
+    job = next(job for job in plan if job.step == "sweep")
+    progress = Progress(plan, {})
+    monkeypatch.setattr("flexscale.cli.progress._INTERVAL", -1.0)
+    sample = {"event": "sample", "job": job.id, "n_failed": 0, "side": "closing", "direction": 0.0}
+    progress.show({**sample, "done": job.n_samples + 1, "curvature": 0.001})
+    assert f"; {job.n_samples}/{job.n_samples} samples" in capsys.readouterr().err
 
 
 def test_data_commands_on_an_empty_folder(

@@ -12,15 +12,20 @@ import pytest
 import yaml
 
 from flexscale.errors import BadInputError, ConfigError, PatternError, TilingError, UnitRangeError
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import SCALE_MODELS, ScaleOptions
+from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS, SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.named import named_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import PatternBlock
 from flexscale.steps.experiment import Experiment, load_experiment, parse_experiment
+from flexscale.steps.figures import FIGURES
 from flexscale.steps.option_blocks import option_fields
 from flexscale.steps.plan import build_plan
-from flexscale.steps.summary import describe_fields
+from flexscale.steps.summary import describe_experiment
+from flexscale.units import LENGTHS
 
 QUICKSTART = Path(__file__).parents[2] / "workflows" / "quickstart.yaml"
 SMALL: dict[str, Any] = {
@@ -241,9 +246,44 @@ def test_option_blocks_take_units_and_know_what_they_mean() -> None:
 
 
 def test_field_list_tells_default_unit_and_bounds() -> None:
-    lines = {line.split()[0]: line for line in describe_fields(Experiment).splitlines()}
-    assert lines["patterns.NAME.gap"].split()[1:5] == ["mm", "0.4", ">", "0"]
+    lines = {line.split()[0]: line for line in describe_experiment(Experiment).splitlines()}
+    assert lines["patterns.NAME.gap"].split()[1:5] == ["mm", "0.4", ">=", f"{LENGTHS[0]:g}"]
     assert "PETG" in lines["patterns.NAME.scale_material"]
     assert "mm-1" in lines["sweep.curvatures"]
     assert "mm2" in lines["patterns.NAME.tile_area"]
     assert lines["mesh.along"].split()[1] == "mm"
+    assert lines["shapes.direction"].split()[1:7] == ["degree", "0", ">=", "0", "<", "180"]
+
+
+def test_field_list_has_every_field_that_a_file_may_set() -> None:
+    """Of blocks and of options of lower floors alike, with a meaning; bounds are those checked."""
+    lines = {line.split()[0]: line for line in describe_experiment(Experiment).splitlines()}
+    classes = [MeshOptions, ContactOptions, SubstrateOptions, ScaleOptions, SolverOptions]
+    for block, options in zip(
+        ("mesh", "contact", "substrate", "scales", "solver"), classes, strict=True
+    ):
+        fields = option_fields(options)
+        assert {f"{block}.{field.name}" for field in fields} <= set(lines)
+        for field in fields:
+            assert field.meaning
+            assert field.bounds in lines[f"{block}.{field.name}"]
+            assert field.bounds or field.choices or isinstance(field.default, bool)
+    for name in Experiment.model_fields:
+        assert len(lines[name].split()) > 1
+    assert lines["mesh.scale_layers"].split()[1:6] == ["7", ">=", "1", "<=", "64"]
+    with pytest.raises(BadInputError, match="64"):
+        MeshOptions(scale_layers=65)
+
+
+def test_names_are_told_from_the_list_they_are_checked_with() -> None:
+    lines = {line.split()[0]: line for line in describe_experiment(Experiment).splitlines()}
+    for place, names in {
+        "figures": FIGURES,
+        "sweep.sides": ("closing", "opening"),
+        "scales.model": SCALE_MODELS,
+        "substrate.element": SUBSTRATE_ELEMENTS,
+        "fit.weighting": ("relative", "absolute"),
+    }.items():
+        assert all(name in lines[place] for name in names)
+    with pytest.raises(ConfigError, match=r"no figure 'polr'\. Did you mean 'polar'"):
+        parse_experiment(SMALL | {"figures": ["polr"]}, "file.yaml")

@@ -36,6 +36,8 @@ from flexscale.solve.linear import LINEAR_SOLVERS
 from flexscale.units import require_array
 
 _SAMPLES = 1800
+#: Stiffnesses that differ by a smaller share are said to be the same: meshes tell no finer.
+SAME = 1e-3
 
 
 @dataclass(frozen=True)
@@ -63,12 +65,12 @@ class TangentStiffness:
 
     @property
     def softest(self) -> float:
-        """Direction of least stiffness, degrees in [0, 180)."""
+        """Direction of least stiffness, degrees in [0, 180); any one where all are the same."""
         return self._extreme(1.0)
 
     @property
     def stiffest(self) -> float:
-        """Direction of greatest stiffness, degrees in [0, 180)."""
+        """Direction of greatest stiffness, degrees in [0, 180); any one where all are the same."""
         return self._extreme(-1.0)
 
     def _extreme(self, sign: float) -> float:
@@ -82,9 +84,12 @@ class TangentStiffness:
 
     def __str__(self) -> str:
         soft, stiff = self.softest, self.stiffest
+        least, most = float(self.stiffness(soft)), float(self.stiffness(stiff))
+        if most - least <= SAME * most:
+            return f"tangent stiffness: {0.5 * (least + most):.4g} N mm, the same in all directions"
         return (
-            f"tangent stiffness: softest {self.stiffness(soft):.4g} N mm at {soft:.1f} degree, "
-            f"stiffest {self.stiffness(stiff):.4g} N mm at {stiff:.1f} degree"
+            f"tangent stiffness: softest {least:.4g} N mm at {soft:.1f} degree, "
+            f"stiffest {most:.4g} N mm at {stiff:.1f} degree"
         )
 
 

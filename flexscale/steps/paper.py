@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,10 +12,7 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
 
 #: Experiment files of a checkout whose datasets the paper's figures and findings show.
-EXPERIMENTS = (
-    *("named_patterns", "paper", "paper_shapes", "rigs", "turned_sheets"),
-    *("native_sheets", "native_rigs"),
-)
+EXPERIMENTS = ("paper", "paper_shapes", "turned_sheets", "native_sheets", "native_rigs")
 _WORKFLOWS = Path(__file__).resolve().parents[2] / "workflows"
 
 
@@ -35,13 +32,14 @@ def paper_datasets(registry: Registry) -> Registry:
         and (not known or entry.row["pattern"] in known)
     ]
     if others:
-        made = set(_made_by_experiments(registry.root))
+        patterns = {entry.row["pattern"] for entry in others}
+        made = set(_made_by_experiments(registry.root, patterns))
         chosen += [entry for entry in others if entry.id in made]
     return registry.only(chosen)
 
 
-def _made_by_experiments(root: Path) -> Iterator[str]:
-    """Ids of the datasets of EXPERIMENTS that are stored below `root`."""
+def _made_by_experiments(root: Path, patterns: Collection[str]) -> Iterator[str]:
+    """Ids of the datasets of EXPERIMENTS that are stored below `root`, of these patterns."""
     # Patterns are built for it, which takes seconds; with everything shipped none is needed.
     from flexscale.datasets.store import Store
     from flexscale.steps.experiment import load_experiment
@@ -49,6 +47,9 @@ def _made_by_experiments(root: Path) -> Iterator[str]:
 
     for name in EXPERIMENTS:
         file = _WORKFLOWS / f"{name}.yaml"
-        if file.is_file():
-            plan = build_plan(load_experiment(file))
+        experiment = load_experiment(file) if file.is_file() else None
+        asked = {} if experiment is None else dict(experiment.patterns)
+        asked = {pattern: block for pattern, block in asked.items() if pattern in patterns}
+        if experiment is not None and asked:
+            plan = build_plan(experiment.model_copy(update={"patterns": asked}))
             yield from (entry.id for entry in plan.stored(Store(root)).values())

@@ -103,3 +103,11 @@ def test_extremes_of_a_known_tensor():
     assert tangent.stiffness(theta) == pytest.approx(expected, rel=1e-12)
     assert tangent.stiffest == pytest.approx(25.0, abs=1e-3)
     assert tangent.softest == pytest.approx(115.0, abs=1e-3)
+
+
+def test_a_stiffness_that_is_the_same_in_all_directions_names_none() -> None:
+    isotropic = 5.0 * np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
+    told = str(TangentStiffness(isotropic, np.eye(3)))
+    assert told == "tangent stiffness: 5 N mm, the same in all directions"
+    isotropic[0, 0] *= 1.01
+    assert "softest 5 N mm at 90.0 degree" in str(TangentStiffness(isotropic, np.eye(3)))

@@ -86,17 +86,7 @@ def test_figures_choose_the_same_datasets_beside_an_experiment_of_ones_own(
         assert reports[0] == reports[1]
 
 
-def test_own_experiments_alone_are_no_paper(tmp_path: Path) -> None:
-    own_experiment(tmp_path)
-    registry = open_registry(tmp_path)
-    assert len(paper_datasets(registry)) == 0
-    with pytest.raises(MissingDataError, match=r"workflows/named_patterns\.yaml"):
-        all_findings(paper_datasets(registry))
-    with pytest.raises(MissingDataError, match="Findings need 6 or more directions"):
-        all_findings(registry)
-
-
-def test_the_command_ends_with_a_sentence(
+def test_own_experiments_alone_are_no_paper(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     own_experiment(tmp_path)
@@ -105,6 +95,8 @@ def test_the_command_ends_with_a_sentence(
         main.main()
     assert caught.value.code == 4
     assert "flexscale run workflows/named_patterns.yaml" in capsys.readouterr().err
+    with pytest.raises(MissingDataError, match="Findings need 6 or more directions"):
+        all_findings(open_registry(tmp_path))
 
 
 def test_without_shipped_ones_the_recipes_of_the_papers_experiments_count(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ Identifier = Annotated[str, typer.Argument(help="Id from `data list`; may be sho
 def list_(
     criteria: Annotated[
         list[str] | None,
-        typer.Argument(help="KEY=VALUE, such as kind=sweep family=IH20 gap=0.4."),
+        typer.Argument(help="KEY=VALUE, such as kind=sweep source=reference directions=0,90."),
     ] = None,
     results: Results = Path("results"),
     json: Json = False,
@@ -40,7 +40,7 @@ def list_(
     if json:
         _print_json(selection.rows())
     elif selection:
-        columns = ("id", "family", "pattern", "status", "samples", "failed", "created")
+        columns = ("id", "source", "family", "pattern", "status", "samples", "failed", "created")
         rows = [
             ["" if row[key] is None else str(row[key]) for key in columns]
             for row in selection.rows()
@@ -189,10 +189,18 @@ def _criterion(text: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     if not equals:
         raise ConfigError(f"{text!r} is no criterion: write KEY=VALUE, such as kind=sweep.")
+    values = [_value(key, part) for part in value.split(",")]
+    return key, values if len(values) > 1 else values[0]
+
+
+def _value(key: str, text: str) -> Any:
+    """A number, a switch of a recipe ("contact.enabled"), or text."""
+    if "." in key and text in ("true", "false"):
+        return text == "true"
     try:
-        return key, float(value)
+        return float(text)
     except ValueError:
-        return key, value
+        return text
 
 
 def _print_json(content: Any) -> None:

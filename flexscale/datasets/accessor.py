@@ -9,6 +9,9 @@ from flexscale.checks import checked, number, text
 from flexscale.datasets.variables import ONE_SIDE
 from flexscale.errors import MissingDataError, UnknownNameError, suggest
 
+#: Share of a step of the grid by which an asked value may miss its sample.
+ROUNDED = 1e-3
+
 
 @xr.register_dataset_accessor("fs")
 class FlexScaleAccessor:
@@ -31,7 +34,9 @@ class FlexScaleAccessor:
         direction: float | None = None,
         curvature: float | None = None,
     ) -> xr.DataArray:
-        """Values of a variable at the nearest stored sample, within half a step of the grid.
+        """Values of a variable at stored samples; what lies between samples is refused.
+
+        Digits may be rounded: a sample is meant within a thousandth of the step beside it.
 
         Parameters
         ----------
@@ -48,7 +53,7 @@ class FlexScaleAccessor:
         Raises
         ------
         UnknownNameError : unknown variable or side.
-        MissingDataError : no sample lies within half a step.
+        MissingDataError : no sample is stored there; the message names its neighbors.
         """
         known = list(self._dataset.data_vars)
         if name not in known:
@@ -68,7 +73,7 @@ class FlexScaleAccessor:
             if wanted is None:
                 continue
             grid = values[axis].values.astype(float)
-            index = _nearest(grid, float(wanted), axis, unit, period)
+            index = _place(grid, float(wanted), axis, unit, period)
             values = values.isel({axis: index})
             picked.append(f"{axis} {grid[index]:.6g} {unit} (asked {float(wanted):.6g})")
         values = values.copy()
@@ -76,21 +81,19 @@ class FlexScaleAccessor:
         return values
 
 
-def _nearest(grid: np.ndarray, wanted: float, axis: str, unit: str, period: float | None) -> int:
-    """Index of the grid value nearest to `wanted`; error when it is over half a step away."""
+def _place(grid: np.ndarray, wanted: float, axis: str, unit: str, period: float | None) -> int:
+    """Index of the grid value that is meant by `wanted`; error when there is none."""
     distance = np.abs(grid - wanted)
     if period is not None:
         distance = np.abs((grid - wanted + period / 2) % period - period / 2)
-    index = int(np.argmin(distance))
-    # Steps beside the picked value; a grid of one value has none and matches only itself.
-    order = np.sort(grid)
-    place = int(np.searchsorted(order, grid[index]))
-    beside = np.diff(order)[max(place - 1, 0) : place + 1]
-    half_step = float(np.max(beside)) / 2 if beside.size else 0.0
-    if not distance[index] <= half_step + 1e-9 * max(1.0, abs(wanted)):
-        listed = ", ".join(f"{value:.6g}" for value in grid[:12])
-        more = f", … ({grid.size} in all)" if grid.size > 12 else ""
+    index = int(np.argmin(distance)) if grid.size else 0
+    steps = np.diff(np.sort(grid))
+    step = float(steps.min()) if steps.size else max(1.0, abs(wanted))
+    if not grid.size or not distance[index] <= ROUNDED * step:
+        near = np.sort(grid[np.argsort(distance)[:2]])
+        listed = " and ".join(f"{value:.6g}" for value in near)
         raise MissingDataError(
-            f"There is no sample at {axis} {wanted:.6g} {unit}; stored are {listed}{more} {unit}."
+            f"There is no sample at {axis} {wanted:.6g} {unit}; of the {grid.size} stored the "
+            f"nearest are {listed} {unit}. Between samples: dataset[name].interp({axis}=…)."
         )
     return index

@@ -10,6 +10,7 @@ import pandas as pd
 
 from flexscale.datasets.entry import Entry
 from flexscale.datasets.files import load_entry
+from flexscale.datasets.recipe_values import leaves
 from flexscale.datasets.record import read_record
 
 if TYPE_CHECKING:
@@ -57,8 +58,8 @@ def difference(first: Entry, second: Entry) -> pd.DataFrame:
     finite; `largest` is the greatest difference of a variable on equal axes, in its unit.
     """
     rows: list[dict[str, Any]] = []
-    old = dict(_flat(read_record(first.folder)["recipe"]))
-    new = dict(_flat(read_record(second.folder)["recipe"]))
+    old = dict(leaves(read_record(first.folder)["recipe"]))
+    new = dict(leaves(read_record(second.folder)["recipe"]))
     for key in sorted(old.keys() | new.keys()):
         a, b = old.get(key, "absent"), new.get(key, "absent")
         if a != b:
@@ -69,15 +70,6 @@ def difference(first: Entry, second: Entry) -> pd.DataFrame:
         if row is not None:
             rows.append(row)
     return pd.DataFrame(rows, columns=["what", "first", "second", "largest", "unit"])
-
-
-def _flat(value: Any, key: str = "") -> Iterable[tuple[str, Any]]:
-    """Leaves of nested data with dotted keys; lists stay whole."""
-    if isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _flat(item, f"{key}.{name}" if key else str(name))
-    else:
-        yield key, value
 
 
 def _variable_difference(left: xr.Dataset, right: xr.Dataset, name: str) -> dict[str, Any] | None:

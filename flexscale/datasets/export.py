@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,8 @@ def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Pa
     ----------
     entry : what to export.
     destination : an existing folder; the file is named after the dataset.
-    file_format : "nc", or "csv" (one row a sample, units in the header; not for meshes).
+    file_format : "nc", or "csv" (one row a sample or direction, units in the header, components of
+        tensors in columns of their own; for sweeps and tangents).
 
     Returns
     -------
@@ -96,13 +98,17 @@ def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Pa
 
 
 def _one_row_a_sample(dataset: xr.Dataset) -> xr.Dataset:
-    """Tensor components as variables of their own; what has other axes is left out."""
+    """Components of tensors as variables of their own, `matrix_xx_xy`; nothing is left out but
+    labels and what follows from the axes."""
     flat = dataset.drop_vars(
         [name for name, item in dataset.coords.items() if item.dims != (name,)]
     )
-    if "matrix" in flat:
-        return flat[["stiffness"]]
-    for component in flat["component"].values:
-        part = flat["stretch"].sel(component=component, drop=True)
-        flat[f"stretch_{component}"] = part
-    return flat.drop_vars(["stretch", "component"])
+    for name, variable in dataset.data_vars.items():
+        axes = [axis for axis in variable.dims if axis in ("component", "other_component")]
+        if not axes:
+            continue
+        flat = flat.drop_vars([name])
+        for place in itertools.product(*(dataset[axis].values for axis in axes)):
+            part = variable.sel(dict(zip(axes, place, strict=True))).reset_coords(drop=True)
+            flat["_".join([str(name), *place])] = part
+    return flat.drop_vars(["component", "other_component"], errors="ignore")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from flexscale.checks import checked, text
 from flexscale.datasets.entry import COLUMNS, LOCAL, PROPERTIES, REFERENCE, Entry
+from flexscale.datasets.recipe_values import SAME, differing_parameters, with_parameter
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.errors import MissingDataError, UnitRangeError, UnknownNameError, suggest
 from flexscale.units import require_finite
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-#: relative distance within which two numbers count as the same value
-SAME = 1e-9
+#: Columns that tell when and by which code a dataset was made, not what it is.
+_OF_THE_RUN = {"created", "commit", "dirty", "version", "sizes"}
 
 
 @dataclass(frozen=True)
@@ -73,23 +74,34 @@ class Selection(Sequence[Entry]):
         Parameters
         ----------
         criteria : by property: a value, a list of allowed values, or `between`. For a dataset
-            that lies in both layers, `source` says which copy is meant.
+            that lies in both layers, `source` says which copy is meant. Other names are those
+            of parameters of the recipe, such as directions=[0, 90] or **{"mesh.across": 2};
+            for these the records of the datasets left are read.
 
         Raises
         ------
-        UnknownNameError : no such column, or a value that no dataset of the registry has.
+        UnknownNameError : no such property or parameter, or a value that no dataset of the
+            registry has.
         """
         entries: Iterable[Entry] = self._entries
         for column, wanted in criteria.items():
-            if column not in PROPERTIES:
-                raise UnknownNameError(
-                    f"Datasets have no property {column!r}. {suggest(column, PROPERTIES, limit=40)}"
-                )
             if column == "source":
                 ids = {entry.id for entry in entries}
                 entries = [entry for entry in self._universe if entry.id in ids]
-            entries = self._filtered(entries, column, wanted)
+            if column in PROPERTIES:
+                entries = self._filtered(entries, column, wanted)
+        for name in sorted(criteria.keys() - PROPERTIES.keys()):
+            self._require_parameter_like(name)
+            entries = with_parameter(entries, name, criteria[name])
         return Selection(entries, self._universe)
+
+    def _require_parameter_like(self, name: str) -> None:
+        """Names close to that of a property are typing mistakes, not parameters."""
+        close = difflib.get_close_matches(name, PROPERTIES, n=1, cutoff=0.8)
+        if close or not self._entries:
+            raise UnknownNameError(
+                f"Datasets have no property {name!r}. {suggest(name, PROPERTIES, limit=40)}"
+            )
 
     def _filtered(self, entries: Iterable[Entry], column: str, wanted: Any) -> list[Entry]:
         kind, unit = PROPERTIES[column]
@@ -143,11 +155,27 @@ class Selection(Sequence[Entry]):
             return self._entries[0]
         if not self._entries:
             raise MissingDataError("No dataset meets all criteria; loosen them, or compute it.")
+        raise MissingDataError(self._choices())
+
+    def _choices(self) -> str:
+        """What tells the datasets of the choice apart, to be added to the criteria."""
+        shown, columns = self._entries[:10], self.differing()
+        # Commits and dates tell apart when, not what.
+        told = [name for name in columns if name not in _OF_THE_RUN] or columns
+        parameters = [
+            # A pattern's name stands for its edges and materials.
+            {n: text for n, text in item.items() if "pattern" not in told or n[:8] != "pattern."}
+            for item in differing_parameters(shown)
+        ]
         lines = [f"{len(self)} datasets meet the criteria; add one that tells them apart:"]
-        lines += [f"  {_described(entry, self.differing())}" for entry in self._entries[:10]]
+        lines += [
+            f"  {_described(entry, told, more)}"
+            for entry, more in zip(shown, parameters, strict=True)
+        ]
         if len(self) > 10:
             lines.append(f"  … and {len(self) - 10} more")
-        raise MissingDataError("\n".join(lines))
+        lines.append(f'or take one by its id: registry.load("{shown[0].id}")')
+        return "\n".join(lines)
 
     def differing(self) -> list[str]:
         """Columns in which the datasets of the choice differ, digests and paths apart."""
@@ -199,10 +227,12 @@ class Selection(Sequence[Entry]):
         return html
 
 
-def _described(entry: Entry, columns: Iterable[str]) -> str:
+def _described(entry: Entry, columns: Iterable[str], parameters: Mapping[str, str]) -> str:
     row: Mapping[str, Any] = entry.row
-    facts = ", ".join(f"{name}={row[name]}" for name in columns if row[name] not in (None, ""))
-    return f"{entry.id}  {facts}"
+    facts = {name: str(row[name]) for name in columns if row[name] not in (None, "")}
+    listed = [f"{name}={text}" for name, text in (facts | dict(parameters)).items()]
+    more = f", … ({len(listed) - 8} more)" if len(listed) > 8 else ""
+    return f"{entry.id}  {', '.join(listed[:8])}{more}"
 
 
 def by_short_id(entries: Sequence[Entry], identifier: str) -> Entry:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from flexscale.cli import main
 from flexscale.datasets.catalog import CATALOG_FILE, update_catalog
 from flexscale.datasets.identity import Recipe
 from flexscale.datasets.registry import Registry, between, open_registry
@@ -93,6 +94,56 @@ def test_one_loads_the_only_dataset_or_lists_candidates(registry: Registry) -> N
     assert "gap=0.5" in str(caught.value)
     with pytest.raises(MissingDataError, match="No dataset meets"):
         registry.one(kind="tangent")
+
+
+@pytest.fixture
+def alike(tmp_path: Path) -> Registry:
+    """Sweeps that the catalog does not tell apart, of recipes that differ."""
+    store = Store(tmp_path)
+    for directions, across in (([0, 90], 2), ([0, 90], 4), (list(range(0, 180, 15)), 4)):
+        parameters = {"directions": directions, "mesh": {"across": across}}
+        store.publish(sweep(), "sweep", recipe(**parameters, contact={"enabled": across == 4}))
+    return open_registry(tmp_path)
+
+
+def test_candidates_are_told_apart_by_what_was_computed(alike: Registry) -> None:
+    with pytest.raises(MissingDataError) as caught:
+        alike.one(kind="sweep")
+    told = str(caught.value)
+    assert told.count("mesh.across=4") == 2
+    assert told.count("directions=[0, 90]") == 2
+    assert "directions=12 values from 0 to 165" in told
+    assert "contact.enabled=False, directions=[0, 90], mesh.across=2" in told
+    assert "commit" not in told
+    assert f'registry.load("{alike.find()[0].id}")' in told
+
+
+def test_parameters_of_recipes_can_be_asked_for(alike: Registry) -> None:
+    assert len(alike.find(directions=[0, 90])) == 2
+    assert len(alike.find(directions=(0.0, 90.0 + 1e-12))) == 2
+    assert len(alike.find(**{"mesh.across": 4})) == 2
+    assert len(alike.find(kind="sweep", directions=[0, 90], **{"mesh.across": 4})) == 1
+    assert len(alike.find(directions=range(0, 180, 15))) == 1
+    assert len(alike.find(**{"contact.enabled": True})) == 2
+    assert not alike.find(**{"contact.enabled": 1}), "a switch is no number"
+    assert not alike.find(directions=[0])
+    with pytest.raises(UnknownNameError, match="Did you mean 'directions'"):
+        alike.find(directoins=[0, 90])
+
+
+def test_the_command_line_asks_for_the_same(
+    alike: Registry, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def listed(*criteria: str) -> int:
+        arguments = ["flexscale", "data", "list", *criteria, "--json", "--results"]
+        monkeypatch.setattr(sys, "argv", [*arguments, str(alike.root)])
+        with pytest.raises(SystemExit):
+            main.main()
+        return len(json.loads(capsys.readouterr().out))
+
+    assert listed("source=local", "directions=0,90", "mesh.across=4") == 1
+    assert listed("contact.enabled=true") == 2
+    assert listed("pattern=hexagon,hexagon") == 3
 
 
 def test_short_ids(registry: Registry) -> None:

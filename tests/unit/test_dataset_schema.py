@@ -158,15 +158,24 @@ def test_tangent_of_a_plate_is_the_same_in_every_direction() -> None:
         check_dataset(tangent, "tangent")
 
 
-def test_sample_picks_the_nearest_within_half_a_step_and_says_so() -> None:
+def test_sample_picks_stored_samples_and_refuses_what_lies_between() -> None:
     dataset = sweep()
-    sample = dataset.fs.sample("moment", side="closing", direction=30, curvature=0.011)
+    sample = dataset.fs.sample("moment", side="closing", direction=45, curvature=0.01)
     assert sample == dataset["moment"].sel(side="closing", direction=45.0, curvature=0.01)
-    assert "direction 45 degree (asked 30)" in sample.attrs["sampled"]
+    assert "direction 45 degree (asked 45)" in sample.attrs["sampled"]
     assert "sampled" not in dataset["moment"].attrs
-    assert dataset.fs.sample("moment", direction=181.0)["direction"] == 0.0
-    for wanted in ({"direction": 135.0}, {"curvature": 0.03}):
-        with pytest.raises(MissingDataError, match="no sample at"):
+    assert dataset.fs.sample("moment", direction=180.0)["direction"] == 0.0
+    assert dataset.fs.sample("moment", direction=-135.0)["direction"] == 45.0
+    assert dataset.fs.sample("moment", direction=44.99999)["direction"] == 45.0
+    for wanted, near in (
+        ({"direction": 30.0}, "nearest are 0 and 45 degree"),
+        ({"direction": 46.0}, "nearest are 45 and 90 degree"),
+        ({"direction": 135.0}, "no sample at direction 135"),
+        ({"curvature": 0.011}, "nearest are 0.01 and 0.02 mm-1"),
+        ({"curvature": 0.03}, "no sample at curvature 0.03"),
+        ({"curvature": float("nan")}, "no sample at curvature nan"),
+    ):
+        with pytest.raises(MissingDataError, match=near):
             dataset.fs.sample("moment", **wanted)
     with pytest.raises(UnknownNameError, match="Did you mean 'moment'"):
         dataset.fs.sample("momnet")

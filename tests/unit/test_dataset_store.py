@@ -6,11 +6,14 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from flexscale.datasets.audit import check_results
+from flexscale.datasets.build import build_tangent_dataset
 from flexscale.datasets.export import describe_text, export
+from flexscale.datasets.identity import Recipe
 from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Entry, Store
 from flexscale.errors import (
@@ -20,7 +23,7 @@ from flexscale.errors import (
     NonReproducibleError,
     SchemaError,
 )
-from tests.unit.dataset_samples import cell, recipe, sweep
+from tests.unit.dataset_samples import SCALARS, cell, recipe, sweep
 
 
 @pytest.fixture
@@ -243,6 +246,25 @@ def test_samples_left_by_a_kill_after_publishing_are_cleared(store: Store) -> No
     assert checkpoint.folder.exists()
     store.lookup("sweep", recipe())
     assert not checkpoint.folder.exists()
+
+
+def test_the_csv_of_a_tangent_holds_both_matrices(store: Store, tmp_path: Path) -> None:
+    matrix = np.array([[4.0, 1.0, 0.5], [1.0, 3.0, 0.25], [0.5, 0.25, 2.0]])
+    dataset = build_tangent_dataset(
+        matrix, 10.0 * matrix, [0.0, 30.0], scalars=SCALARS, config={"name": "x"}
+    )
+    entry = store.publish(dataset, "tangent", Recipe("tangent", 1, {}))
+    table = pd.read_csv(export(entry, tmp_path, "csv"))
+    assert list(table["direction [degree]"]) == [0.0, 30.0]
+    components = ("xx", "yy", "xy")
+    for name, unit, expected in (
+        ("matrix", "N mm", matrix),
+        ("in_plane", "N mm-1", 10.0 * matrix),
+    ):
+        read = [[table[f"{name}_{a}_{b} [{unit}]"] for b in components] for a in components]
+        np.testing.assert_array_equal(np.array(read)[..., 0], expected)
+        np.testing.assert_array_equal(np.array(read)[..., 1], expected)
+    assert table["stiffness [N mm]"][0] == 4.0
 
 
 def test_export_and_description(store: Store, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ FLOORS = {
     "errors": 0,
     "units": 0,
     "checks": 0,
+    "names": 0,
     "status": 0,
     "simplices": 0,
     "kernel_cache": 0,
@@ -36,9 +37,9 @@ FLOORS = {
 }
 #: The side tower: what each of its rooms may use. The floors above 6 may use all of it.
 SIDE = {
-    "datasets": {"errors", "units", "checks", "status"},
-    "findings": {"errors", "units", "checks", "status", "datasets"},
-    "plotting": {"errors", "units", "checks", "status", "datasets"},
+    "datasets": {"errors", "units", "checks", "names", "status"},
+    "findings": {"errors", "units", "checks", "names", "status", "datasets"},
+    "plotting": {"errors", "units", "checks", "names", "status", "datasets"},
 }
 #: Libraries that few rooms or files may import; the workflow engine only ever runs as a program.
 LIBRARY_HOMES: dict[str, set[str]] = {

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.identity import SHORT_DIGEST
-from flexscale.datasets.names import is_name
 from flexscale.datasets.variables import SCALARS
+from flexscale.names import is_name
 
 DATA_FILE = "data.nc"
 _DIGEST = re.compile(r"[0-9a-f]{64}")

@@ -10,10 +10,10 @@ import xarray as xr
 
 from flexscale.datasets.entry import Entry
 from flexscale.datasets.files import load_entry, verified_content
-from flexscale.datasets.names import require_name
 from flexscale.datasets.record import read_record
 from flexscale.datasets.staging import write_atomically
 from flexscale.errors import ConfigError, suggest
+from flexscale.names import require_name
 
 FORMATS = ("nc", "csv")
 

@@ -19,11 +19,11 @@ from pydantic import (
 )
 
 from flexscale.datasets.identity import SHORT_DIGEST
-from flexscale.datasets.names import is_name
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.untrusted import parse_json, read_regular
 from flexscale.datasets.variables import SCALARS
 from flexscale.errors import IntegrityError, SchemaError
+from flexscale.names import is_name
 
 RECORD_FILE = "record.json"
 LARGEST_RECORD = 64 * 2**20  # bytes

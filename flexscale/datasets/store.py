@@ -25,12 +25,12 @@ from flexscale.datasets.files import (
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe, content_digest, plain
 from flexscale.datasets.labels import labels_of
 from flexscale.datasets.locks import STAGING, working_folder
-from flexscale.datasets.names import require_name
 from flexscale.datasets.provenance import environment
 from flexscale.datasets.record import RECORD_FILE, read_record
 from flexscale.datasets.schema import schema_of
 from flexscale.datasets.staging import FileCheckpoint, sync
 from flexscale.errors import DatasetError, IntegrityError, NonReproducibleError
+from flexscale.names import require_name
 
 __all__ = ["Entry", "Store"]
 

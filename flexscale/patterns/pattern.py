@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 
 from flexscale import checks
 from flexscale.checks import Check, checked, instance, length, number
-from flexscale.errors import PatternError, shown, suggest
+from flexscale.errors import PatternError, SchemaError, shown, suggest
+from flexscale.names import require_name
 from flexscale.patterns.cell import TiledCell, build_cell
 from flexscale.patterns.drawing import read_drawing
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
-from flexscale.patterns.names import pattern_name
 from flexscale.patterns.polygons import lattice_vector, polygons
 from flexscale.patterns.prototiles import CONGRUENT, Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import FloatArray
@@ -27,6 +27,15 @@ from flexscale.units import AREAS, LENGTHS, require_range
 
 CUSTOM = "custom"
 
+
+def _name(value: Any, label: str) -> str:
+    """Check of a pattern's name, which becomes a folder."""
+    try:
+        return require_name(value, "pattern")
+    except SchemaError as error:
+        raise PatternError(str(error)) from error
+
+
 #: Checks of what both constructors take.
 _OF_SCALES: dict[str, Check] = {
     "gap": length(),
@@ -35,7 +44,7 @@ _OF_SCALES: dict[str, Check] = {
     "bond_radius": number("mm", 0.0, LENGTHS[1]),
     "scale_material": checks.MATERIAL,
     "substrate_material": checks.MATERIAL,
-    "name": pattern_name,
+    "name": _name,
 }
 
 

@@ -14,7 +14,7 @@ from flexscale.errors import (
     BadInputError,
     ConfigError,
     MeshError,
-    PatternError,
+    SchemaError,
     UnitRangeError,
     shown,
 )
@@ -27,7 +27,7 @@ from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.estimate import require_moderate_mesh, require_moderate_sheet
 from flexscale.mesh.options import MeshOptions
-from flexscale.patterns.names import pattern_name
+from flexscale.names import require_name
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.newton import SolverOptions
 from flexscale.steps.blocks import (
@@ -161,8 +161,8 @@ class Experiment(Block):
         named: dict[str, PatternBlock] = {}
         for given, block in patterns.items():
             try:
-                name = pattern_name(given)
-            except PatternError as error:
+                name = require_name(given, "pattern")
+            except SchemaError as error:
                 raise PydanticCustomError("name", "{said}", {"said": str(error)}) from error
             for other in named:
                 if other.casefold() == name.casefold():

@@ -1,10 +1,10 @@
-"""Names out of files that become folders and files: one rule for all of them."""
+"""Names that become folders and files, out of files or given by users: one rule for all."""
 
 from __future__ import annotations
 
 import re
 
-from flexscale.errors import SchemaError
+from flexscale.errors import SchemaError, shown
 
 #: Letters that a name may have at most; four names and 80 more letters make the longest file name.
 NAME_LENGTH = 100
@@ -29,9 +29,8 @@ def require_name(text: object, what: str) -> str:
     SchemaError : it holds something else than letters, digits and a few signs, or too many.
     """
     if not is_name(text):
-        shown = repr(text) if len(repr(text)) < 60 else f"{repr(text)[:56]} …"
         raise SchemaError(
-            f"The {what} is named {shown}: use letters, digits, '.', '_', '+' and '-' only, "
+            f"The {what} is named {shown(text)}: use letters, digits, '.', '_', '+' and '-' only, "
             f"{NAME_LENGTH} at most and a letter or digit first, since it becomes a folder."
         )
     return str(text)

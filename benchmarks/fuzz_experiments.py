@@ -84,6 +84,8 @@ TEXTS = [
 def mutated_content(base: dict[str, Any], chance: random.Random) -> dict[str, Any]:
     """The experiment with one to three values or keys changed."""
     content = copy.deepcopy(base)
+    names = chance.sample(sorted(base["patterns"]), min(2, len(base["patterns"])))
+    content["patterns"] = {name: content["patterns"][name] for name in names}
     for _ in range(chance.choice([1, 1, 2, 3])):
         _change_somewhere(content, chance)
     return content

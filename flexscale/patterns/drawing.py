@@ -21,7 +21,7 @@ from flexscale.patterns.symmetry import FloatArray
 KEPT = 1e-9  # of a tile's size: how finely corners are kept
 HELD = 1e-6  # of a tile's size: where floats hold corners less finely, the pattern is refused
 FAR = 10.0  # cells: tiles listed farther from the first one are moved back by lattice vectors
-TYPED = 1.5  # units: half of one in both coordinates, of a corner and of the mean of its images
+TYPED = 1.2  # units: half of one in both coordinates, and as much again of the images' mean
 SPREAD = 3.0  # units: two typed corners of one point may differ in both coordinates, and by t1, t2
 FINEST, COARSEST = 1e-7, 1e-4  # of a tile's size: bounds to the distance of corners that are one
 
@@ -34,8 +34,8 @@ class Drawing:
     ----------
     tiles : tuple of (n_i, 2) corners, mm; the first one of the first tile is the origin.
     lattice : (2, 2) rows t1, t2, mm.
-    units : mm, one in the last decimal: of all numbers, then those of tiles or lattice that were
-        typed with fewer decimals.
+    units : mm, one in the last decimal: of all numbers, then of the tiles' if they have fewer than
+        the lattice.
     """
 
     tiles: tuple[FloatArray, ...]
@@ -85,12 +85,14 @@ def read_drawing(tiles: Sequence[ArrayLike], t1: ArrayLike, t2: ArrayLike) -> Dr
             f"hold {held:.1g} mm, too coarse for tiles of about {size:.3g} mm: draw the pattern "
             "nearer to the origin, its place does not matter."
         )
+    # So that numbers typed with one decimal more are not rounded this way here and that way there.
+    start = given[0][0] - 0.035 * 10.0**-finest
     decimals = min(finest, int(np.floor(-np.log10(held)))) if held > 0.0 else finest
     lattice = np.round(lattice, finest) + 0.0
-    start = given[0][0]
     moved = [np.round(polygon - start, decimals) for polygon in given]
     kept = tuple(_brought_near(polygon, lattice, decimals) + 0.0 for polygon in moved)
-    used = sorted({_decimals(array, finest) for array in (*kept, lattice)}, reverse=True)
+    of_tiles = max(_decimals(polygon, finest) for polygon in kept)
+    used = sorted({of_tiles, max(of_tiles, _decimals(lattice, finest))}, reverse=True)
     return Drawing(kept, lattice, tuple(10.0**-digits for digits in used))
 
 

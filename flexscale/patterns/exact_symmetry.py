@@ -40,12 +40,14 @@ class Symmetrized:
     group : short name of the wallpaper group.
     order : number of its elements modulo the given lattice's translations.
     off : mm, the farthest that a corner or a lattice vector has been moved.
+    mean : mm, the root of the mean square that they have been.
     """
 
     cell: TiledCell
     group: str
     order: int
     off: float
+    mean: float
 
 
 def symmetrized(cell: TiledCell, tolerance: float, limit: float) -> Symmetrized | None:
@@ -57,7 +59,7 @@ def symmetrized(cell: TiledCell, tolerance: float, limit: float) -> Symmetrized 
     drawn = drawn_symmetry(cell.tiles, cell.lattice, tolerance=tolerance / cell.size)
     order = drawn.point_group_order * drawn.n_primitive_cells
     if order == 1:
-        return Symmetrized(cell, drawn.group, 1, 0.0)
+        return Symmetrized(cell, drawn.group, 1, 0.0, 0.0)
     vertices = _Vertices.of(cell)
     primitive = vertices.modulo(drawn.primitive_lattice, drawn.n_primitive_cells, tolerance)
     if primitive is None:
@@ -256,23 +258,22 @@ def _placed(
     corners = points[vertices.labels] + vertices.offsets @ lattice
     given = np.concatenate(cell.tiles)
     corners += (given - corners).mean(axis=0)
-    off = max(
-        float(np.linalg.norm(corners - given, axis=1).max()),
-        float(np.linalg.norm(lattice - cell.lattice, axis=1).max()),
-    )
+    moves = np.linalg.norm(np.vstack([corners - given, lattice - cell.lattice]), axis=1)
+    off, mean = float(moves.max()), float(np.sqrt(np.mean(moves**2)))
     tiles = split_like(corners, list(cell.tiles))
     classes = split_like(vertices.labels, list(cell.tiles))
     sharp = tuple(sharp_corners(tiles, classes))
-    return Symmetrized(replace(cell, tiles=tuple(tiles), sharp=sharp, lattice=lattice), "", 1, off)
+    moved = replace(cell, tiles=tuple(tiles), sharp=sharp, lattice=lattice)
+    return Symmetrized(moved, "", 1, off, mean)
 
 
 def symmetry_within(cell: TiledCell, limit: float) -> Symmetrized:
-    """The most symmetric tiling of which no corner lies farther than a limit [mm]."""
+    """The most symmetric tiling of which no corner lies farther than a limit [mm], most by half."""
     for tolerance in (NEAR * cell.size, 4.0 * limit, limit):
         found = symmetrized(cell, tolerance, limit)
-        if found is not None and found.off <= limit:
+        if found is not None and found.off <= limit and found.mean <= 0.5 * limit:
             return found
-    return Symmetrized(cell, "p1", 1, 0.0)
+    return Symmetrized(cell, "p1", 1, 0.0, 0.0)
 
 
 def symmetry_near(drawing: Drawing) -> Symmetrized | None:

@@ -50,7 +50,7 @@ def _cell(drawing: Drawing) -> tuple[TiledCell, float]:
     for unit in finer:
         try:
             return _to_unit(drawing, unit), unit
-        except PatternError:  # tiles or lattice may have been typed with fewer digits than others
+        except PatternError:  # the lattice may hold more digits than the tiles were typed with
             continue
     return _to_unit(drawing, coarsest), coarsest
 

@@ -140,7 +140,7 @@ SubstrateMaterial = Annotated[
 Point = tuple[Length, Length]
 CurvePoint = tuple[Number, Number]
 #: What a name of the catalog stands for.
-_OF_NAME = ("family", "parameters", "edges", "tiles", "lattice")
+_OF_NAME = ("family", "parameters", "edges", "tiles", "lattice", "symmetrize")
 
 
 class PatternBlock(Block):
@@ -164,6 +164,9 @@ class PatternBlock(Block):
         None, "polygons of one cell instead of a family, each a list of corners"
     )
     lattice: tuple[Point, Point] | None = declared(None, "the two lattice vectors of `tiles`")
+    symmetrize: bool | None = declared(
+        None, "whether `tiles` that are nearly symmetric become exactly so"
+    )
     gap: Size = declared(_default(Pattern, "gap"), "gap between neighboring scales", gt=0.0)
     scale_height: Size = declared(_default(Pattern, "scale_height"), "scale height", gt=0.0)
     substrate_thickness: Size = declared(
@@ -197,7 +200,7 @@ class PatternBlock(Block):
     def _one_kind_of_shape(self) -> Self:
         of_family = {"parameters", "edges", "tile_area"}
         shape = {"family"} if self.family is not None else {"tiles", "lattice"}
-        barred = {"tiles", "lattice"} if self.family is not None else of_family
+        barred = {"tiles", "lattice", "symmetrize"} if self.family is not None else of_family
         missing = sorted(key for key in shape if getattr(self, key) is None)
         extra = sorted(key for key in barred if getattr(self, key) is not None)
         if missing or extra:

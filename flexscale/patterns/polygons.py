@@ -11,7 +11,7 @@ from flexscale.errors import PatternError, UnitRangeError, shown
 from flexscale.patterns.symmetry import FloatArray
 from flexscale.units import require_array, require_series
 
-FARTHEST = 1e9  # mm from the origin: farther, corners have lost the digits that meshes need
+LONGEST = 1e9  # mm, of a lattice vector: floats then hold 1e-7 mm
 MOST_CORNERS = 100_000  # of a tile
 
 
@@ -32,7 +32,6 @@ def _polygon(tile: Any, number: int) -> FloatArray:
             f"Tile {number} must be a list of (x, y) corners, finite, in mm, at most "
             f"{MOST_CORNERS}, not {shown(tile)}."
         )
-    _require_near(polygon, f"Tile {number}")
     return polygon
 
 
@@ -47,13 +46,9 @@ def lattice_vector(value: Any, label: str) -> FloatArray:
             f"The lattice vectors t1 and t2 must each be two finite numbers in mm, but {label} is "
             f"{shown(value)}."
         )
-    _require_near(vector, f"The lattice vector {label}")
-    return vector
-
-
-def _require_near(points: FloatArray, what: str) -> None:
-    farthest = float(np.abs(points).max(initial=0.0))
-    if farthest > FARTHEST:
+    longest = float(np.abs(vector).max())
+    if longest > LONGEST:
         raise PatternError(
-            f"{what} reaches {farthest:.6g} mm from the origin: stay within {FARTHEST:g} mm."
+            f"The lattice vector {label} reaches {longest:.6g} mm: stay within {LONGEST:g} mm."
         )
+    return vector

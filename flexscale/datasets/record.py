@@ -106,11 +106,11 @@ class _Run(BaseModel):
     """Facts of the run; more may be added, those that are read have their types."""
 
     model_config = ConfigDict(strict=True, extra="allow")
-    wall_seconds: Amount | None = None
-    cpu_seconds: Amount | None = None
-    workers: Annotated[int, Field(ge=1, lt=2**31)] | None = None
-    resumed: bool | None = None
-    failed_samples: list[Any] | None = None
+    wall_seconds: Amount = 0.0
+    cpu_seconds: Amount = 0.0
+    workers: Annotated[int, Field(ge=1, lt=2**31)] = 1
+    resumed: bool = False
+    failed_samples: list[Any] = []
 
 
 class _Record(_Part):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from flexscale.errors import DatasetError
 from flexscale.steps.catalog import STEPS
 
 if TYPE_CHECKING:
@@ -43,7 +44,10 @@ def _earlier(step: str, registry: Registry) -> list[tuple[Mapping[str, Any], flo
     """(parameters, seconds of one core per sample) of every run of a step that was recorded."""
     found = []
     for entry in registry.find(kind=step) if any(e.kind == step for e in registry) else ():
-        record = registry.record(entry)
+        try:
+            record = registry.record(entry)
+        except DatasetError:  # damaged since the catalog was written; `data check` names it
+            continue
         run, parameters = record["run"], record["recipe"]["parameters"]
         if "wall_seconds" not in run or run.get("resumed"):
             continue

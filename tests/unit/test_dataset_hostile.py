@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import shutil
 import signal
@@ -17,7 +18,7 @@ from flexscale.datasets.entry import Entry
 from flexscale.datasets.export import export
 from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Store
-from flexscale.errors import DatasetError, IntegrityError
+from flexscale.errors import DatasetError, IntegrityError, SchemaError
 from tests.unit.dataset_samples import recipe
 from tests.unit.results_samples import forget_catalog, one_sweep, sign
 
@@ -251,6 +252,22 @@ def test_folders_that_are_links_are_not_followed(entry: Entry, tmp_path: Path) -
     with pytest.raises(IntegrityError, match="symbolic link"):
         one_sweep(tmp_path / "results")
     assert not Store(tmp_path / "results").lookup("sweep", recipe())
+
+
+@pytest.mark.parametrize("column", ["family", "pattern"])
+@pytest.mark.parametrize(
+    "name", ["../../x", "..", ".", "", "a/b", "a\\b", "-x", "\x1b[2J", "x" * 101]
+)
+def test_names_that_are_no_names_do_not_become_files(
+    entry: Entry, tmp_path: Path, column: str, name: str
+) -> None:
+    """Even where an entry got around the checks of records and catalogs."""
+    hostile = dataclasses.replace(entry, row={**entry.row, column: name})
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(SchemaError, match="use letters, digits") as caught:
+        export(hostile, tmp_path)
+    assert "\x1b" not in str(caught.value)
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_the_shipped_datasets_open(shipped_results: Path) -> None:

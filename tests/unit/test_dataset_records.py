@@ -75,6 +75,7 @@ MALFORMED = {
     "time that is none": (setting("environment", "created", to="yesterday"), "created: "),
     "schema of another kind": (setting("schema", to="tangent/99"), "cannot follow the schema"),
     "schema without version": (setting("schema", to="sweep"), "cannot follow the schema"),
+    "no seconds": (setting("run", to={"wall_seconds": None}), "run.wall_seconds: "),
     "negative seconds": (setting("run", to={"wall_seconds": -1}), "run.wall_seconds: "),
 }
 

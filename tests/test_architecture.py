@@ -49,7 +49,7 @@ LIBRARY_HOMES: dict[str, set[str]] = {
     "ipctk": {"mechanics"},
     "manifold3d": {"fabricate"},
     "pydantic": {"steps", "datasets/record.py"},
-    "h5py": {"datasets/containers.py"},
+    "h5py": {"datasets/containers.py", "datasets/container_attributes.py"},
     "typer": {"cli"},
     "rich": {"cli"},
     "matplotlib": {"plotting"},

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexscale.datasets.container_attributes import attributes_objection
 from flexscale.errors import IntegrityError
 
 if TYPE_CHECKING:
@@ -26,8 +27,7 @@ _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 #: Arrays may hold this many bytes, or so many times the size of their file if that is more.
 _FREE_BYTES = 64 * 2**20
 _LARGEST_RATIO = 200
-_LARGEST_NUMBER = 1000  # of arrays in a file, of attributes of each, of texts in one array
-_LARGEST_RANK = 32  # of arrays in netCDF; an array has an attribute with one entry per axis
+_LARGEST_NUMBER = 1000  # of arrays in a file, of texts in one array
 #: Deflate, shuffle, Fletcher-32: compiled into every HDF5. All others are loaded from somewhere.
 _FILTERS = (1, 2, 3)
 
@@ -65,26 +65,28 @@ def _objection(file: h5py.File, size: int) -> str:
     root, total = file.id, 0
     if root.get_num_objs() > _LARGEST_NUMBER:
         return f"it holds more than {_LARGEST_NUMBER} arrays"
-    if reason := _attributes_objection(root, "file"):
-        return reason
     entries: list[bytes] = []
     root.links.iterate(entries.append)
+    arrays: dict[str, h5py.h5d.DatasetID] = {}
     for raw in entries:
         name = ascii(raw.decode(errors="replace"))[:60]
         if root.links.get_info(raw).type != h5py.h5l.TYPE_HARD:
             return f"its entry {name} is a link to somewhere else"
         if h5py.h5o.get_info(root, raw).type != h5py.h5o.TYPE_DATASET:
             return f"its entry {name} is a group or a type, and datasets hold arrays only"
-        array = h5py.h5d.open(root, raw)
-        reason = _storage_objection(array) or _attributes_objection(array, name)
-        if reason:
-            return f"its array {name} {reason}" if "attribute" not in reason else reason
+        array = arrays[name] = h5py.h5d.open(root, raw)
+        if reason := _storage_objection(array):
+            return f"its array {name} {reason}"
         total += _bytes_of(array, size)
         if total > max(_FREE_BYTES, _LARGEST_RATIO * size):
             return (
                 f"its arrays up to {name} declare {float(total):.2g} bytes, which a file of "
                 f"{size} bytes does not hold"
             )
+    names = {raw.decode(errors="replace") for raw in entries}
+    for name, item in {"the file": root, **arrays}.items():
+        if reason := attributes_objection(item, name, names):
+            return reason
     return ""
 
 
@@ -127,22 +129,3 @@ def _bytes_of(array: Any, size: int) -> int:
     made = array.get_create_plist()
     chunk = made.get_chunk() if made.get_layout() == h5py.h5d.CHUNKED else ()
     return max(number, int(np.prod([int(n) for n in chunk], dtype=object))) * int(kind.get_size())
-
-
-def _attributes_objection(item: Any, name: str) -> str:
-    """Attributes are read with the file: few, and short arrays of text."""
-    import h5py
-
-    n_attributes = h5py.h5a.get_num_attrs(item)
-    if n_attributes > _LARGEST_NUMBER:
-        return f"{name} has more than {_LARGEST_NUMBER} attributes"
-    for number in range(n_attributes):
-        attribute = h5py.h5a.open(item, index=number)
-        length = int(np.prod([int(n) for n in attribute.shape], dtype=object))
-        kind = attribute.get_type()
-        varies = kind.get_class() == h5py.h5t.VLEN or (
-            kind.get_class() == h5py.h5t.STRING and kind.is_variable_str()
-        )
-        if length > (_LARGEST_RANK if varies else _LARGEST_NUMBER):
-            return f"{name} has an attribute with {length} values"
-    return ""

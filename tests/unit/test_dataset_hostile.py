@@ -184,7 +184,7 @@ def lists(file: h5py.File) -> None:
         (endless_axis, "declare 1e+27 bytes"),
         (large_chunk, "declare 3.2e+09 bytes"),
         (many_texts, "declare"),
-        (long_attribute, "has an attribute with 40 values"),
+        (long_attribute, "the attribute 'more' of 'moment' has 40 values"),
         (group, "is a group"),
         (compound, "neither numbers nor text"),
         (lists, "neither numbers nor text"),
@@ -194,6 +194,36 @@ def test_what_no_dataset_needs_is_refused(entry: Entry, tmp_path: Path, way, rea
     change(entry, way)
     for sentence in refusals(entry, tmp_path / "results"):
         assert reason in sentence
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("DIMENSION_LIST", "text"),
+        ("DIMENSION_LIST", np.zeros(3)),
+        ("REFERENCE_LIST", np.zeros(3, dtype=[("dataset", "i8"), ("dimension", "i4")])),
+        ("CLASS", 1.5),
+        ("NAME", "text of no fixed length"),
+        ("_Netcdf4Coordinates", np.array([0, 1, 99], dtype="i4")),
+        ("_Netcdf4Coordinates", np.array([0, 1], dtype="i4")),
+        ("_Netcdf4Dimid", np.int32(-1)),
+        ("_NCProperties", 3),
+        ("_FillValue", "text"),
+        ("_nc3_strict", 1),
+    ],
+)
+def test_what_netcdf_says_to_itself_is_what_it_writes(
+    entry: Entry, tmp_path: Path, name: str, value: object
+) -> None:
+    """The first of these crashes the netCDF library."""
+
+    def way(file: h5py.File) -> None:
+        file["moment"].attrs.pop(name, None)
+        file["moment"].attrs[name] = value
+
+    change(entry, way)
+    for sentence in refusals(entry, tmp_path / "results"):
+        assert f"the attribute '{name}' of 'moment' is not what netCDF writes" in sentence
 
 
 def linked(path: Path, secret: Path) -> None:

@@ -62,6 +62,11 @@ SIZES: dict[str, Any] = {
 }  # fmt: skip
 
 
+def light_calls() -> list[Call]:
+    """Patterns, options, and what ends where meshing begins: nothing is compiled or drawn."""
+    return [*_shapes(), *_options(), *_native()]
+
+
 def all_calls(results: Path) -> list[Call]:
     """Every public entry point."""
     registry = fs.open_registry(results)
@@ -70,9 +75,7 @@ def all_calls(results: Path) -> list[Call]:
         for kind in ("sweep", "fit", "tangent", "shape", "sheet", "rig", "turned_sheet")
     }
     return [
-        *_shapes(),
-        *_options(),
-        *_native(),
+        *light_calls(),
         *_models(datasets),
         *_registry(registry, datasets),
         *_plots(datasets),

@@ -25,6 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ROOT / "results" / "reference" / "benchmarks"
 CELL = ("tilings", "patterns", "mesh", "mechanics", "embedding", "solve", "homogenize")
+EVERYTHING = (*CELL, "macro", "synthesis", "fabricate", "datasets", "plotting", "steps")
 SHEET = ("mechanics", "embedding", "solve", "macro")
 FOOTER = re.compile(r"\n\*Made by `(.+)` in (\d+) s, commit (\w+), sources (\w+)\.\*\n?$")
 
@@ -106,6 +107,7 @@ ALL = (
     Page("registry", ("datasets",)),
     Page("kills", ("datasets", "steps")),
     Page("fabricate", ("tilings", "patterns", "fabricate")),
+    Page("fuzz", EVERYTHING),
 )
 
 

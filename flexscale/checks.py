@@ -140,6 +140,8 @@ def point(unit: str, name: str = "") -> Check:
         found = units.require_series(value, label, unit)
         if len(found) != 2:
             raise UnitRangeError(f"{label} must be two numbers (x, y) in {unit}, not {len(found)}.")
+        for place in found:
+            units.require_range(place, label, unit, -units.FARTHEST, units.FARTHEST)
         return found[0], found[1]
 
     return check

@@ -30,6 +30,7 @@ MODULI = (1e-3, 1e7)
 #: Bounds of Poisson's ratio: nearer to -1 or 1/2 the solid loses its stiffness against shear or
 #: resists changes of volume without bound, and equilibria lose their digits.
 RATIOS = (-0.95, 0.4999)
+FARTHEST = 1e9  # mm from the origin: farther, places have lost the digits that meshes need
 MOST_VALUES = 10_000  # of a series
 
 

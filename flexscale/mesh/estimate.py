@@ -1,6 +1,6 @@
 """How many elements a mesh will have, told before it is made, and refused where it is too many.
 
-Rough, within a factor of about three: sizes grow from `corner` to `along` over a few elements, the
+Rough, within a factor of four: sizes grow from `corner` to `along` over a few elements, the
 sheet under a scale is filled from its outline inward, and strips of the base follow the outline.
 """
 
@@ -20,7 +20,7 @@ from flexscale.patterns.prototiles import Prototile
 MOST_TRIANGLES = 400_000  # of the substrate in a cell: the mesher takes a minute for so many
 MOST_TETS = 4_000_000  # of the scales in a cell
 MOST_SHEET_TRIANGLES = 2_000_000  # of the substrate in a sheet of finite size
-_PER_NODE = 30.0  # triangles of the sheet for each node along the gap
+_PER_NODE = 8.0  # triangles of the sheet for each node along the gap, beside those across it
 _PER_AREA = 4.0 / math.sqrt(3.0)  # triangles of side 1 in an area of 1
 
 

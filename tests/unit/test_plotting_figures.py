@@ -238,7 +238,8 @@ def test_index_shows_findings_with_the_reason_of_those_that_disagree(tmp_path: P
 def test_figure_7_draws_all_patterns_with_failures_visible(tmp_path: Path) -> None:
     squares = with_failures(two_regime_sweep(4), [("closing", 3, 10)])
     entries = []
-    (script,) = find_scripts(PAPER_FIGURES, ["fig07"])
+    (script,) = find_scripts(PAPER_FIGURES, ["fig7"])
+    assert [s.stem for s in find_scripts(PAPER_FIGURES, ["FIG007"])] == [script.stem]
     for name, family in script.module.PATTERNS.items():
         row = {"family": family, "pattern": name}
         sweep = squares if name == "square" else two_regime_sweep(6)

@@ -4,6 +4,9 @@
 PYTHON ?= python3
 CORES ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 BIN := .venv/bin
+BEGUN := .venv/.begun
+CREATE = $(PYTHON) -m venv --clear .venv && $(BIN)/python -m pip install --quiet --disable-pip-version-check 'uv>=0.5'
+SPACE := 3000000 # KB that set-up needs
 
 # One thread in every numerical process: the same bits everywhere, and no fight for the cores.
 export OMP_NUM_THREADS := 1
@@ -28,7 +31,7 @@ quickstart: setup
 	@$(BIN)/flexscale run workflows/quickstart.yaml --cores $(CORES)
 
 test: setup
-	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadgroup
+	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadgroup --durations=10
 
 test-slow: setup
 	@$(BIN)/python -m pytest -q -m slow
@@ -49,21 +52,33 @@ clean:
 	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # --- set-up, in three steps that are done once each -----------------------------------------
+# Each leaves its stamp when it is done. A step that was interrupted is done again from its start.
 
 .venv/.python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
 	  echo "FlexScale needs Python 3.11 or newer, and '$(PYTHON)' is not: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11" >&2; exit 4; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
 	  echo "Python's venv is missing. On Debian or Ubuntu: apt-get install -y python3-venv" >&2; exit 4; }
-	@echo "set-up: creating .venv" >&2
-	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check 'uv>=0.5'
+	@test "$$(uname -s)" != Linux || test "$$(uname -m)" = x86_64 || { \
+	  echo "On Linux the packages gmsh and ipctk come for x86_64 only, and this machine is $$(uname -m): use one of x86_64, or a container of that kind." >&2; exit 4; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info >= (3, 14))' || command -v cc >/dev/null || { \
+	  echo "For Python 3.14 and newer a package (immutables) has to be compiled, and there is no C compiler: install one, or make $(MAKECMDGOALS) PYTHON=/path/to/python3.13" >&2; exit 4; }
+	@test "$$(df -Pk . | awk 'NR == 2 {print $$4}')" -gt $(SPACE) || { \
+	  echo "Set-up needs 3 GB here: .venv takes 2, packages on their way to it the rest. Make room, or clone elsewhere." >&2; exit 4; }
+	@echo "set-up: creating .venv, which will take 2 GB; its packages are about 0.6 GB to download" >&2
+	@$(CREATE)
 	@touch $@
 
+# Packages that were only partly installed are known to nobody: then all is made anew, from what
+# has been downloaded already.
 .venv/.packages: requirements.lock pyproject.toml .venv/.python
-	@echo "set-up: installing the locked packages" >&2
-	@$(BIN)/uv pip sync --quiet --compile-bytecode --python $(BIN)/python requirements.lock
+	@test ! -e $(BEGUN) || { echo "set-up: the last one was interrupted; creating .venv anew" >&2; $(CREATE) && touch .venv/.python; }
+	@echo "set-up: installing $$(grep -c '^[a-z]' requirements.lock) locked packages; large ones that are downloaded:" >&2
+	@touch $(BEGUN); $(BIN)/uv pip sync --compile-bytecode --python $(BIN)/python requirements.lock 2>&1 \
+	  | sed -n 's/^Downloading /  /p' >&2
+	@$(BIN)/uv pip sync --quiet --python $(BIN)/python requirements.lock # fails, and says why, if that one did
 	@$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --editable .
+	@rm -f $(BEGUN)
 	@touch $@
 
 .venv/.system: .venv/.packages

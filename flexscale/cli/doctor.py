@@ -88,8 +88,13 @@ def _findings() -> list[Finding]:
 
 
 def check_python() -> Finding:
-    """Which Python this is; the package does not install on one that is too old."""
-    return Finding("ok", "Python", platform.python_version())
+    """Which Python this is, and for which machine; not all packages come for all of them."""
+    machine = platform.machine()
+    message = f"{platform.python_version()} on {machine}"
+    if platform.system() == "Linux" and machine not in ("x86_64", "AMD64"):
+        message += ", but for Linux the packages gmsh and ipctk come for x86_64 only"
+        return Finding("missing", "Python", message)
+    return Finding("ok", "Python", message)
 
 
 def check_packages() -> Finding:

@@ -81,6 +81,7 @@ ALL = (
     Page("tiling_families", ("tilings",)),
     Page("mesh_all_families", ("tilings", "patterns", "mesh")),
     Page("named_patterns"),
+    Page("native_places", ("tilings", "patterns", "mesh")),
     Page("stiffness_convergence"),
     Page("mesh_convergence", own_output=True),
     Page("scale_elements"),

@@ -28,7 +28,7 @@ from flexscale.plotting.picture_file import picture_bytes
 from flexscale.plotting.printable import printable
 from flexscale.plotting.style import SCALE_COLOR, SUBSTRATE_COLOR
 
-STEP, VERSION = "fabricate", 1  # raised whenever the solids of equal options change
+STEP, VERSION = "fabricate", 2  # raised whenever the solids of equal options change
 
 
 def pattern_digest(pattern: Pattern) -> str:

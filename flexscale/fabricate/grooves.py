@@ -6,6 +6,7 @@ import shapely
 
 from flexscale.fabricate.options import Grooves
 from flexscale.fabricate.walls import GRID, inset, on_grid, opened, polygonal
+from flexscale.patterns.overlay import difference, union
 
 _WIDER = 4.0 * GRID  # added to every width, so that rounding to the grid makes none too narrow
 
@@ -30,7 +31,7 @@ def groove_rings(base: shapely.Polygon, grooves: Grooves) -> list[shapely.Polygo
     outside = opened(inset(base, grooves.first + _WIDER), width, spacing)
     while not outside.is_empty:
         inside = opened(inset(outside, width), spacing, width)
-        found = on_grid(shapely.difference(outside, inside))
+        found = on_grid(difference(outside, inside))
         rings += [ring for ring in shapely.get_parts(found) if ring.area > 0.5 * width**2]
         outside = opened(inset(inside, spacing), width, spacing)
     return rings
@@ -38,5 +39,5 @@ def groove_rings(base: shapely.Polygon, grooves: Grooves) -> list[shapely.Polygo
 
 def substrate_between(base: shapely.Polygon, rings: list[shapely.Polygon]) -> list[shapely.Polygon]:
     """What stands of the substrate between the grooves under one scale."""
-    left = shapely.difference(base, shapely.union_all(rings))
+    left = difference(base, union(rings))
     return list(shapely.get_parts(polygonal(left)))

@@ -11,6 +11,7 @@ import shapely
 
 from flexscale.fabricate.shapes import Rectangle, circle_points
 from flexscale.fabricate.walls import GRID, on_grid
+from flexscale.patterns.overlay import difference, union
 
 
 def hinge_axes(rectangle: Rectangle, gap: float, substrate_thickness: float) -> np.ndarray:
@@ -36,5 +37,5 @@ def hinge_profile(rectangle: Rectangle) -> shapely.Polygon:
     around = circle_points(radius, outside=False) + middle
     hole = circle_points(0.5 * rectangle.hole, outside=True) + middle
     foot = shapely.box(-radius, 0.0, radius, radius)
-    bar = shapely.union(shapely.Polygon(around), foot)
-    return on_grid(shapely.difference(bar, shapely.Polygon(hole)))
+    bar = union([shapely.Polygon(around), foot])
+    return on_grid(difference(bar, shapely.Polygon(hole)))

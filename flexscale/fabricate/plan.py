@@ -142,8 +142,8 @@ def _check_scales(pattern: Pattern, printer: Printer) -> None:
         if not is_printable(outline, printer.wall):
             thinnest = smallest_wall([outline], printer.wall)
             raise FabricationError(
-                f"Scale {number} of pattern {pattern.name!r} has a wall or a needle of "
-                f"{thinnest:.3g} mm, below the smallest wall of {printer.wall:g} mm: give a larger "
-                f"tile area than {pattern.tile_area:g} mm², a gap below {pattern.gap:g} mm, or a "
-                "rounder tile."
+                f"Scale {number} of pattern {pattern.name!r} has a wall, a fin or a needle "
+                f"of {thinnest:.3g} mm, below the smallest wall of {printer.wall:g} mm: give a "
+                f"larger tile area than {pattern.tile_area:g} mm², a gap below {pattern.gap:g} mm, "
+                "or a rounder tile."
             )

@@ -1,10 +1,14 @@
 """How thin an area is: its smallest wall, and cutting off what is too thin to print.
 
 An area is printable with walls of w if what remains of it after an inset by w/2 (where the middle
-of a bead of this width may run) is in one piece, and no point of the area is farther from that than
-`CORNER` times w/2. A neck narrower than w breaks the inset, a fin narrower than w lies away from
-it. A corner of angle α lies w/2 / sin(α/2) away from it, so corners down to 29° are corners, which
-a bead rounds, and sharper ones are needles.
+of a bead of this width may run) is in one piece, no point of the area is farther from that than
+`CORNER` times w/2, and no fin is lost. A neck narrower than w breaks the inset, a long fin narrower
+than w lies away from it. A corner of angle α lies w/2 / sin(α/2) away from it, so corners down to
+29° are corners, which a bead rounds, and sharper ones are needles.
+
+A fin is what no bead reaches (opening by a disc) and no corner explains (opening with mitred
+corners) that sticks out by more than `FIN` times w: a short fin may lie nearer to the bead than the
+tip of a sharp corner does.
 """
 
 from __future__ import annotations
@@ -13,10 +17,15 @@ import manifold3d as m3
 import numpy as np
 import shapely
 
+from flexscale.patterns.overlay import intersection
+
 CORNER = 4.0  # farthest corner from a bead's middle, in halves of the wall: 29°
+FIN = 0.5  # of the wall, by which a fin sticks out of what is printed; bumps are lower
 GRID = 2.0**-15  # mm: corners lie on it; up to half a meter 32-bit numbers hold them exactly
 _STEP = 0.5  # mm, between points of an outline that are examined
 _ARC = 128  # corners of a whole circle, where a bead's middle turns around an inner corner
+_ROUNDING = 1e-3  # of the wall
+_NARROWER = 0.95  # of the wall: what is no wider than this counts as a fin
 _WIDER = 1.25  # ratio of the widths that are tried in search of the smallest wall
 _BISECTIONS = 24
 
@@ -34,7 +43,7 @@ def opened(area: shapely.Geometry, wall: float, apart: float) -> shapely.Geometr
     kept: list[shapely.Polygon] = []
     for core in _by_size(inset(area, 0.5 * wall)):
         # Mitres may reach across a notch: what lies there is no part of this one.
-        found = _by_size(polygonal(shapely.intersection(area, _offset(core, 0.5 * wall))))
+        found = _by_size(polygonal(intersection(area, _offset(core, 0.5 * wall))))
         if found and all(shapely.distance(found[0], other) >= apart for other in kept):
             kept.append(found[0])
     return shapely.MultiPolygon(kept)
@@ -55,9 +64,15 @@ def _offset(
     """
     if area.is_empty:
         return area
-    section = m3.CrossSection(rings_of(area), m3.FillRule.EvenOdd)
-    moved = section.offset(distance, join, miter_limit=CORNER, circular_segments=_ARC)
-    return areas_of(moved)
+    return areas_of(_moved(_section(area), distance, join))
+
+
+def _section(area: shapely.Geometry) -> m3.CrossSection:
+    return m3.CrossSection(rings_of(area), m3.FillRule.EvenOdd)
+
+
+def _moved(section: m3.CrossSection, distance: float, join: m3.JoinType) -> m3.CrossSection:
+    return section.offset(distance, join, miter_limit=CORNER, circular_segments=_ARC)
 
 
 def rings_of(area: shapely.Geometry) -> list[np.ndarray]:
@@ -87,7 +102,26 @@ def is_printable(area: shapely.Polygon, wall: float) -> bool:
         return False
     rim = shapely.points(shapely.get_coordinates(shapely.segmentize(area, _STEP)))
     shapely.prepare(core)
-    return bool(shapely.distance(rim, core).max() <= 0.5 * CORNER * wall + 4.0 * GRID)
+    if shapely.distance(rim, core).max() > 0.5 * CORNER * wall + 4.0 * GRID:
+        return False
+    return not lost_fins(area, wall)
+
+
+def lost_fins(area: shapely.Polygon, wall: float) -> list[shapely.Polygon]:
+    """What is lost of fins narrower than `wall`, mm; corners, which a bead rounds, are none."""
+    # Of a ring just as wide as the wall, no corner would be left to grow from.
+    whole, half = _section(area), 0.5 * _NARROWER * wall
+    joins = m3.JoinType.Round, m3.JoinType.Miter
+    printed, sharp = (_moved(_moved(whole, -half, join), half, join) for join in joins)
+    kept = printed + sharp
+    # Arcs are polygons, and offsets are rounded: what is as thin as that is nothing.
+    lost = areas_of(whole - _moved(kept, _ROUNDING * wall, m3.JoinType.Miter))
+    near = areas_of(kept)
+    return [
+        part
+        for part in shapely.get_parts(lost)
+        if shapely.distance(shapely.points(shapely.get_coordinates(part)), near).max() > FIN * wall
+    ]
 
 
 def smallest_wall(areas: list[shapely.Polygon], start: float) -> float:

@@ -15,7 +15,9 @@ onset and stiffness of contact follow for bending in any direction, to either si
 directions at a time. What is neglected is of second order: gaps that turn as they close.
 
 Of the thousands of distances between primitives, those are taken that are needed to keep all others
-open at sample curvatures: one after the other, where scales would overlap most.
+open at sample curvatures: one after the other, where scales would overlap most. Where these leave
+scales apart, as wide gaps, low scales and the opening side do, more follow at the curvatures at
+which scales meet there, up to a ring of two tiles, which no sheet can pass.
 """
 
 from __future__ import annotations
@@ -40,6 +42,7 @@ REACH = 1.5  # gaps, in which distances at rest are looked at
 OVERLAP = 0.02  # of a gap, by which scales may still overlap at the sample curvatures
 MOST = 400  # distances that are taken
 _MAGNITUDES = (0.01, 0.03)  # mm-1
+_BEYOND = (1.5, 3.0)  # onsets, where scales meet beyond these magnitudes only
 _TURNS = 12  # directions of principal curvatures, over 180 degree
 _RATIOS = 8  # of the two principal curvatures, around the circle
 _STEP = 1e-5  # of the unknowns' rates; what is of third order in it is below rounding
@@ -73,7 +76,10 @@ class FlatContact:
         return out
 
     def onset(self, curvature: FloatArray) -> FloatArray:
-        """(...) by how much curvatures k (..., 3) may be multiplied until scales meet; or inf."""
+        """(...) by how much curvatures k (..., 3) may be multiplied until scales meet; or inf.
+
+        Of first order: gaps turn as they close, which this leaves out.
+        """
         closing = -np.asarray(curvature, dtype=float) @ self.slopes.T
         with np.errstate(divide="ignore"):
             reached = np.where(closing > 0.0, self.distances / closing, np.inf)
@@ -116,7 +122,15 @@ class _Search:
 
     def run(self) -> FlatContact:
         samples = sample_curvatures()
-        while len(self.gaps) and len(self.taken) < MOST:
+        self._keep_open(samples)
+        self._keep_open(self._beyond(samples[-_RATIOS * _TURNS :]))
+        if len(self.taken) >= MOST:
+            log.warning("Contact of the flat cell keeps %d gaps and would need more.", MOST)
+        return self._contact()
+
+    def _keep_open(self, samples: FloatArray) -> None:
+        """Take distances until no other one closes at curvatures (n, 3)."""
+        while len(samples) and len(self.gaps) and len(self.taken) < MOST:
             found = self._contact()
             pressures = np.array([found.pressures(k) for k in samples]).reshape(len(samples), -1)
             left = self.gaps.distances + samples @ self.slopes.T + pressures @ self.answers.T
@@ -124,9 +138,15 @@ class _Search:
             if left.min() >= -self.overlap:
                 break
             self._take(self._worst(left))
-        if len(self.taken) >= MOST:
-            log.warning("Contact of the flat cell keeps %d gaps and would need more.", MOST)
-        return self._contact()
+
+    def _beyond(self, largest: FloatArray) -> FloatArray:
+        """(m, 3) curvatures beyond the largest samples (n, 3) that leave scales apart."""
+        every = FlatContact(self.gaps.distances, self.slopes, np.zeros((0, 0)))
+        onset = every.onset(largest)
+        tile = np.sqrt(self.problem.area / self.problem.embedding.mesh.n_scales)
+        apart = (self._contact().onset(largest) > 1.0) & (onset * _MAGNITUDES[-1] < np.pi / tile)
+        at_onset = onset[apart, None] * largest[apart]
+        return np.concatenate([factor * at_onset for factor in _BEYOND])
 
     def _worst(self, left: FloatArray) -> IntArray:
         """Of each pair of scales the distance that falls short the most, where it does so most."""

@@ -98,7 +98,10 @@ class GapModel:
         return evaluate_tensors(curvature, self.sheet_law())[1]
 
     def onset(self, direction: ArrayLike, side: str = "closing") -> FloatArray:
-        """Curvature [mm-1] at which scales meet, bent in a direction (degree); inf for never."""
+        """Curvature [mm-1] at which scales meet, bent in a direction (degree); inf for never.
+
+        To first order, also beyond `largest_curvature`.
+        """
         return self.tensor_onset(uniaxial_tensors(1.0, direction, side))
 
     def tensor_onset(self, curvature: ArrayLike) -> FloatArray:
@@ -175,11 +178,13 @@ class GapModel:
         for side in ("closing", "opening"):
             onset = self.onset(np.arange(0.0, 180.0, 5.0), side)
             least = float(np.min(onset))
-            if least > self.largest_curvature:
-                lines.append(f"  {side:<8} no contact up to {self.largest_curvature:g} mm-1")
-            else:
-                where = 5.0 * int(np.argmin(onset))
-                lines.append(f"  {side:<8} contact from {least:.3g} mm-1 on, at {where:g} degree")
+            if np.isinf(least):
+                lines.append(f"  {side:<8} no contact")
+                continue
+            where = f"from {least:.3g} mm-1 on, at {5.0 * int(np.argmin(onset)):g} degree"
+            known = self.largest_curvature
+            beyond = f"; beyond {known:g} mm-1, up to which it is tried" if least > known else ""
+            lines.append(f"  {side:<8} contact {where}{beyond}")
         return "\n".join(lines)
 
 

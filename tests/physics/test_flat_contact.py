@@ -20,6 +20,7 @@ from flexscale.patterns.strip import clip_strip
 from flexscale.solve.newton import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)
+COARSEST = fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2)
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +48,33 @@ def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> N
     # Each of two rows of gaps closes by the curvature across it alone.
     tensor = np.diag([1.0, 1.0])
     assert squares.tensor_onset(tensor) == pytest.approx(squares.onset(0.0), rel=0.03)
+
+
+@pytest.mark.parametrize(("gap", "height"), [(0.4, 1.0), (2.0, 4.0), (1.0, 0.5), (0.4, 4.0)])
+def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
+    """Rigid blocks on hinges again: 0.04, 0.05 and 0.2 mm-1 lie beyond all sample curvatures."""
+    pattern = fs.named_pattern("square", gap=gap, scale_height=height)
+    model = fs.gap_model(pattern, mesh=COARSEST)
+    expected = gap / (height * 10.0)
+    np.testing.assert_allclose(model.onset([0.0, 90.0]), expected, rtol=0.06)
+    assert np.isfinite(model.onset(np.arange(0.0, 180.0, 5.0))).all()
+    # What meets also resists: blocks that touch are far stiffer than hinges.
+    free = 0.5 * model.tangent[0, 0]
+    assert model.energy(0.9 * expected, 0.0) == pytest.approx(free * (0.9 * expected) ** 2)
+    assert model.energy(2.0 * expected, 0.0) > 3.0 * free * (2.0 * expected) ** 2
+    said = repr(model).split("opening")[0]
+    assert f"contact from {float(model.onset(0.0)):.3g} mm-1 on, at 0 degree" in said
+    assert ("beyond 0.03 mm-1" in said) == (expected > model.largest_curvature)
+
+
+def test_a_sweep_meets_where_a_late_onset_says() -> None:
+    pattern = fs.named_pattern("square", scale_height=1.0)
+    onset = float(fs.gap_model(pattern, mesh=COARSEST).onset(0.0))
+    cell = CellProblem.from_pattern(pattern, COARSEST)
+    line = Line("closing", 0.0, tuple(onset * np.array([0.0, 0.3, 0.6, 0.9, 1.1])))
+    pairs = [s["contact_pairs"] for s in follow_line(cell, line, SolverOptions())]
+    assert pairs[-2] == 0
+    assert pairs[-1] > 0
 
 
 @pytest.mark.parametrize("name", ["hexagon", "arrowhead"])

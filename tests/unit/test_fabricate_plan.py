@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 import flexscale as fs
 from flexscale.errors import BadInputError, FabricationError
@@ -14,7 +15,14 @@ from flexscale.fabricate import Disc, Grooves, Layout, Printer, Rectangle
 from flexscale.fabricate.grooves import groove_rings, substrate_between
 from flexscale.fabricate.plan import build_plan
 from flexscale.fabricate.shapes import circle_points
-from flexscale.fabricate.walls import GRID, is_printable, opened, smallest_wall, without_thin_parts
+from flexscale.fabricate.walls import (
+    GRID,
+    is_printable,
+    lost_fins,
+    opened,
+    smallest_wall,
+    without_thin_parts,
+)
 
 NAMES = [entry.name for entry in fs.named_patterns()]
 SQUARE = fs.named_pattern("square")
@@ -52,6 +60,44 @@ def test_walls_of_plain_shapes() -> None:
 def test_corners_are_no_walls_but_needles_are() -> None:
     assert is_printable(needle(33.0), 0.4)
     assert not is_printable(needle(25.0), 0.4)
+
+
+@pytest.mark.parametrize("width", [0.1, 0.2, 0.25, 0.3, 0.35])
+@pytest.mark.parametrize("length", [0.3, 0.45, 0.6])
+def test_short_fins_are_thin_too(width: float, length: float) -> None:
+    """Their tips lie nearer to the middle of a bead than those of sharp corners do."""
+    block = shapely.box(0, 0, 5, 5)
+    finned = shapely.union(block, shapely.box(5, 2, 5 + length, 2 + width))
+    turned = shapely.affinity.rotate(finned, 33.0)
+    for area in (finned, turned):
+        assert not is_printable(area, 0.4)
+        assert smallest_wall([area], 0.4) == pytest.approx(width, abs=0.02)
+    assert without_thin_parts(finned, 0.4).area == pytest.approx(block.area, abs=2e-3)
+    wide = shapely.union(block, shapely.box(5, 2, 5 + length, 2.42))
+    assert without_thin_parts(wide, 0.4) is wide
+    # What sticks out by less than half a bead is a bump, not a fin.
+    assert is_printable(shapely.union(block, shapely.box(5, 2, 5.15, 2 + width)), 0.4)
+
+
+@pytest.mark.parametrize("degrees", [30.0, 45.0, 60.0, 90.0, 100.0])
+def test_corners_are_no_fins(degrees: float) -> None:
+    tip = needle(degrees)
+    for wall in (0.4, 0.8):
+        assert lost_fins(tip, wall) == []
+        assert lost_fins(tip.difference(shapely.box(-1, -1, 0.1, 1)), wall) == []  # blunted
+
+
+def test_a_scale_with_a_fin_is_refused() -> None:
+    """Tabs of 0.7 x 0.5 mm at a gap of 0.4 mm: fins of 0.3 mm on the scales."""
+    tab = [(10.0, 4.0), (10.5, 4.0), (10.5, 4.7), (10.0, 4.7)]
+    notch = [(x - 10.0, y) for x, y in reversed(tab)]
+    tile = [(0.0, 0.0), (10.0, 0.0), *tab, (10.0, 10.0), (0.0, 10.0), *notch]
+    pattern = fs.Pattern.from_polygons([tile], (10.0, 0.0), (0.0, 10.0))
+    with pytest.raises(
+        FabricationError, match=r"a fin or a needle of 0\.[23]\d* mm, below .* 0\.4"
+    ):
+        plan(pattern)
+    assert plan(pattern, printer=Printer(nozzle=0.25)).n_whole > 0
 
 
 def test_thin_parts_are_cut_off_and_nothing_else() -> None:

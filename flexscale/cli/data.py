@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexscale.cli.options import Json, Quiet, Results
+from flexscale.cli.options import Force, Json, Quiet, Results
 from flexscale.errors import ConfigError, IntegrityError, NonReproducibleError
 
 if TYPE_CHECKING:
@@ -105,12 +105,14 @@ def export(
     dataset: Identifier,
     to: Annotated[Path, typer.Option(help="Existing folder.")] = Path("."),
     format: Annotated[str, typer.Option(help="nc, or csv for one row a sample.")] = "nc",
+    force: Force = False,
     results: Results = Path("results"),
 ) -> None:
     """Copy a dataset to one verified file and print its path."""
     from flexscale.datasets.export import export as export_entry
 
-    sys.stdout.write(f"{export_entry(_open(results).get(dataset), to, format)}\n")
+    path = export_entry(_open(results).get(dataset), to, format, replace=force)
+    sys.stdout.write(f"{path}\n")
 
 
 @app.command()
@@ -118,6 +120,7 @@ def draw(
     dataset: Identifier,
     to: Annotated[Path, typer.Option(help="Existing folder.")] = Path("."),
     format: Annotated[str, typer.Option(help="png, svg or pdf.")] = "png",
+    force: Force = False,
     results: Results = Path("results"),
 ) -> None:
     """Draw a dataset, by the figure that experiments have of its kind, and print the path."""
@@ -128,8 +131,8 @@ def draw(
     registry = _open(results)
     entry = registry.get(dataset)
     path = to / f"{file_stem(entry)}.{format}"
-    require_picture_path(path)
-    write_picture(draw_dataset(entry, registry), path)
+    require_picture_path(path, force)
+    write_picture(draw_dataset(entry, registry), path, replace=force)
     sys.stdout.write(f"{path}\n")
 
 

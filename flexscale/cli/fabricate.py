@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from flexscale.cli.options import Json, Quiet
+from flexscale.cli.options import Force, Json, Quiet
 
 HELP = """
 Make printable solids of a pattern: STL files, a 3MF with both materials, a preview and figures.
@@ -19,7 +19,8 @@ that are simulated. Lengths in mm.
 
 The substrate lies on the bed, z = 0, and the scales on it, keyed by grooves that run around under
 every scale. A rectangle gets a hinge barrel for a pin at both ends, beyond its length; a disc a
-hole in the middle. Gaps, grooves and walls narrower than the nozzle end with exit code 2.
+hole in the middle. Gaps, grooves, walls and fins narrower than the nozzle end with exit code 2, and
+so do files of the same names that are there, unless --force replaces them.
 
 \b
   flexscale fabricate hexagon
@@ -91,6 +92,7 @@ def fabricate(
     barrel_wall: Annotated[float | None, _size("Around the pin's hole (1.2).")] = None,
     hub: Annotated[float | None, _size("Diameter of a disc's hole (8); 0 for none.")] = None,
     out: Annotated[Path, typer.Option(help="Existing folder to write to.")] = Path("."),
+    force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -127,7 +129,7 @@ def fabricate(
             {"layer_height": layer_height, "nozzle": nozzle, "smallest_wall": smallest_wall}
         ),
     )
-    make_sheet(request, out, as_json=json, quiet=quiet)
+    make_sheet(request, out, as_json=json, quiet=quiet, replace=force)
 
 
 def _given(options: dict[str, Any]) -> dict[str, Any]:

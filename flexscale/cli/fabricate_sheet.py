@@ -8,30 +8,33 @@ from pathlib import Path
 from flexscale.cli.fabricate_input import SheetRequest, requested_pattern, requested_shape
 from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.fabricate import Grooves, Layout, Printer, printable_sheet
-from flexscale.fabricate.files import require_folder, write_sheet
+from flexscale.fabricate.files import require_room, sheet_name, write_sheet
 from flexscale.fabricate.report import report_lines
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.steps.catalog import STEPS, CellParameters
 
 
-def make_sheet(request: SheetRequest, out: Path, *, as_json: bool, quiet: bool) -> None:
+def make_sheet(
+    request: SheetRequest, out: Path, *, as_json: bool, quiet: bool, replace: bool = False
+) -> None:
     """Write the files and print their paths, or the record as JSON; figures go to stderr.
 
     Raises
     ------
     BadInputError : something that was asked for cannot be made or written.
     """
-    require_folder(out)
     pattern, mesh = requested_pattern(request)
+    shape, layout = requested_shape(request), Layout(**request.layout)
+    require_room(out, sheet_name(pattern, shape, layout), replace)
     sheet = printable_sheet(
         pattern,
-        requested_shape(request),
-        layout=Layout(**request.layout),
+        shape,
+        layout=layout,
         grooves=Grooves(**request.grooves),
         printer=Printer(**request.printer),
     )
-    paths = write_sheet(sheet, out, cell_dataset(pattern, mesh))
+    paths = write_sheet(sheet, out, cell_dataset(pattern, mesh), replace=replace)
     if not quiet:
         print("\n".join(report_lines(sheet)), file=sys.stderr)
     if as_json:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexscale.cli.options import Json, Quiet
+from flexscale.cli.options import Force, Json, Quiet
 
 app = typer.Typer(
     help="The 93 families of isohedral tilings: list and draw them.",
@@ -71,6 +71,7 @@ def draw(
     cells: Annotated[
         int | None, typer.Option(min=1, max=12, help="Cells drawn along each lattice vector.")
     ] = None,
+    force: Force = False,
     parameter_names: Annotated[
         bool, typer.Option("--parameter-names", help="Only print what each parameter does.")
     ] = False,
@@ -80,7 +81,7 @@ def draw(
     if parameter_names:
         print_parameter_names(family)
     else:
-        draw_family(family, parameters, edge or [], out, cells)
+        draw_family(family, parameters, edge or [], out, cells, replace=force)
 
 
 @app.command()
@@ -91,14 +92,15 @@ def gallery(
     out: Annotated[
         Path | None, typer.Option(help="File.png, .svg or .pdf; tilings.png here if not given.")
     ] = None,
+    force: Force = False,
 ) -> None:
     """Draw all 93 families in one figure."""
     from flexscale.cli.tiling_gallery import draw_gallery, draw_named_patterns
 
     if named:
-        draw_named_patterns(out or Path("patterns.png"))
+        draw_named_patterns(out or Path("patterns.png"), replace=force)
     else:
-        draw_gallery(out or Path("tilings.png"))
+        draw_gallery(out or Path("tilings.png"), replace=force)
 
 
 def join_numbers(arguments: list[str], option: str) -> list[str]:

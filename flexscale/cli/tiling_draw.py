@@ -18,7 +18,13 @@ from flexscale.tilings.families import find_family
 
 
 def draw_family(
-    family: str, parameters: str | None, edges: Sequence[str], out: Path | None, cells: int | None
+    family: str,
+    parameters: str | None,
+    edges: Sequence[str],
+    out: Path | None,
+    cells: int | None,
+    *,
+    replace: bool = False,
 ) -> None:
     """Draw a tiling and print the path of the picture.
 
@@ -27,8 +33,9 @@ def draw_family(
     family : "IH01" to "IH93", or the name of a named pattern, whose shape then is the default.
     parameters : numbers as text; all 0 if not given.
     edges : "CLASS=CURVE".
-    out : file or folder; the current folder if not given. A file that is there is replaced.
+    out : file or folder; the current folder if not given.
     cells : along each lattice vector.
+    replace : whether a file that is there may be written over.
 
     Raises
     ------
@@ -42,16 +49,16 @@ def draw_family(
     kinds = find_family(family).curve_kinds()
     values = read_parameters(parameters) or shape.get("parameters")
     curves = {**shape.get("edges", {}), **read_edges(edges, kinds)}
-    require_picture_path(path)
+    require_picture_path(path, replace)
     try:
         picture = picture_of(Tiling(family, values, curves))
     except TilingError as error:
         fault = picture_of_fault(family, values, curves, error)
         if fault is not None:
-            write_picture(tiling_figure(fault), path)
+            write_picture(tiling_figure(fault), path, replace=replace)
             sys.stdout.write(f"{path}\n")
         raise
-    write_picture(tiling_figure(picture, cells), path)
+    write_picture(tiling_figure(picture, cells), path, replace=replace)
     sys.stdout.write(f"{path}\n")
 
 

@@ -33,12 +33,12 @@ _NAMED_REMARKS = (
 )
 
 
-def draw_gallery(path: Path) -> None:
+def draw_gallery(path: Path, *, replace: bool = False) -> None:
     """Draw all families and print the path of the picture.
 
     Raises
     ------
-    BadInputError : the path cannot be written.
+    BadInputError : the path cannot be written, or there is a file that may not be replaced.
     """
     _write(
         [
@@ -47,28 +47,34 @@ def draw_gallery(path: Path) -> None:
         ],
         _REMARKS,
         path,
+        replace=replace,
     )
 
 
-def draw_named_patterns(path: Path) -> None:
+def draw_named_patterns(path: Path, *, replace: bool = False) -> None:
     """Draw the named patterns and print the path of the picture.
 
     Raises
     ------
-    BadInputError : the path cannot be written.
+    BadInputError : the path cannot be written, or there is a file that may not be replaced.
     """
     panels = []
     for entry in named_patterns():
         tiling = Tiling(entry.family, **entry.shape)
         panels.append(_panel(f"{entry.name}\n{entry.family} {tiling.symmetry().group}", tiling))
-    _write(panels, _NAMED_REMARKS, path, n_columns=6)
+    _write(panels, _NAMED_REMARKS, path, n_columns=6, replace=replace)
 
 
 def _write(
-    panels: list[GalleryPanel], remarks: tuple[str, ...], path: Path, n_columns: int = 12
+    panels: list[GalleryPanel],
+    remarks: tuple[str, ...],
+    path: Path,
+    n_columns: int = 12,
+    *,
+    replace: bool = False,
 ) -> None:
-    require_picture_path(path)
-    write_picture(gallery(panels, remarks, n_columns), path, n_colors=_N_COLORS)
+    require_picture_path(path, replace)
+    write_picture(gallery(panels, remarks, n_columns), path, n_colors=_N_COLORS, replace=replace)
     sys.stdout.write(f"{path}\n")
 
 

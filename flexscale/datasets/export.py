@@ -11,7 +11,7 @@ import xarray as xr
 from flexscale.datasets.entry import Entry
 from flexscale.datasets.files import load_entry, verified_content
 from flexscale.datasets.record import read_record
-from flexscale.datasets.staging import write_atomically
+from flexscale.datasets.staging import require_free, write_atomically
 from flexscale.errors import ConfigError, suggest
 from flexscale.names import require_name
 
@@ -60,7 +60,9 @@ def file_stem(entry: Entry) -> str:
     )
 
 
-def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Path:
+def export(
+    entry: Entry, destination: str | Path, file_format: str = "nc", *, replace: bool = False
+) -> Path:
     """Verified copy of a dataset as one file, complete or not there.
 
     Parameters
@@ -69,6 +71,7 @@ def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Pa
     destination : an existing folder; the file is named after the dataset.
     file_format : "nc", or "csv" (one row a sample or direction, units in the header, components of
         tensors in columns of their own; for sweeps and tangents).
+    replace : whether a file of this name that is there may be written over.
 
     Returns
     -------
@@ -79,8 +82,9 @@ def export(entry: Entry, destination: str | Path, file_format: str = "nc") -> Pa
         raise ConfigError(f"There is no folder {folder}: create it, or name another one.")
     if file_format not in FORMATS:
         raise ConfigError(f"There is no format {file_format!r}. {suggest(file_format, FORMATS)}")
-    dataset = load_entry(entry)
     path = folder / f"{file_stem(entry)}.{file_format}"
+    require_free([path], replace)
+    dataset = load_entry(entry)
     if file_format == "nc":
         content = verified_content(entry.folder, read_record(entry.folder))
         write_atomically(path, lambda file: file.write_bytes(content))

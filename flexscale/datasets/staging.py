@@ -11,7 +11,7 @@ import struct
 import uuid
 import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -145,6 +145,28 @@ def _unpack(data: bytes) -> dict[str, Any]:
     if not isinstance(sample, dict):
         raise ValueError("it holds no sample")
     return sample
+
+
+def require_free(paths: Iterable[Path], replace: bool) -> None:
+    """Refuse to write over files that a user may still want; ask before the work begins.
+
+    All commands that write files where a user says treat what is there in this one way.
+
+    Parameters
+    ----------
+    replace : whether the user said that they may be replaced.
+
+    Raises
+    ------
+    BadInputError : one of them is there and may not be replaced.
+    """
+    present = [path for path in paths if os.path.lexists(path)]
+    if present and not replace:
+        others = f", and {len(present) - 1} more that would be written" if present[1:] else ""
+        raise BadInputError(
+            f"{present[0]} is there already{others}: name another place to write to, "
+            "or replace what is there by --force (replace=True in Python)."
+        )
 
 
 def write_atomically(path: Path, write: Callable[[Path], object]) -> None:

@@ -16,10 +16,12 @@ from pathlib import Path
 
 from flexscale.datasets.identity import Recipe, canonical_json
 from flexscale.datasets.provenance import code_version
-from flexscale.datasets.staging import write_atomically
+from flexscale.datasets.staging import require_free, write_atomically
 from flexscale.errors import BadInputError
+from flexscale.fabricate.layout import Layout
 from flexscale.fabricate.preview import sheet_picture
 from flexscale.fabricate.report import report_lines
+from flexscale.fabricate.shapes import Shape
 from flexscale.fabricate.sheet import PrintableSheet, sheet_figures
 from flexscale.fabricate.stl import stl_bytes
 from flexscale.fabricate.threemf import PrintMaterial, threemf_bytes
@@ -28,6 +30,7 @@ from flexscale.plotting.picture_file import picture_bytes
 from flexscale.plotting.printable import printable
 from flexscale.plotting.style import SCALE_COLOR, SUBSTRATE_COLOR
 
+ENDINGS = ("-substrate.stl", "-scales.stl", ".txt", ".3mf", ".png", ".json")
 STEP, VERSION = "fabricate", 2  # raised whenever the solids of equal options change
 
 
@@ -36,27 +39,38 @@ def pattern_digest(pattern: Pattern) -> str:
     return hashlib.sha256(canonical_json(pattern.to_config()).encode()).hexdigest()
 
 
-def sheet_name(sheet: PrintableSheet) -> str:
-    """Name of the files, for instance "hexagon-rectangle-100x50-30deg"."""
-    turned = f"-{sheet.layout.direction:g}deg" if sheet.layout.direction else ""
-    return re.sub(r"[^\w.+-]+", "-", f"{sheet.pattern.name}-{sheet.shape.name}{turned}")
+def sheet_name(pattern: Pattern, shape: Shape, layout: Layout) -> str:
+    """Name of the files of a sheet, for instance "hexagon-rectangle-100x50-30deg"."""
+    turned = f"-{layout.direction:g}deg" if layout.direction else ""
+    return re.sub(r"[^\w.+-]+", "-", f"{pattern.name}-{shape.name}{turned}")
 
 
-def require_folder(folder: Path) -> None:
-    """Refuse a folder that is not there."""
+def require_room(folder: Path, name: str, replace: bool) -> None:
+    """Refuse a folder that is not there, or has files of a sheet of this name.
+
+    Raises
+    ------
+    BadInputError : there is no such folder, or files that may not be replaced.
+    """
     if not folder.is_dir():
         raise BadInputError(f"There is no folder {folder}: create it, or name another one.")
+    require_free([folder / f"{name}{ending}" for ending in ENDINGS], replace)
 
 
 def write_sheet(
-    sheet: PrintableSheet, folder: Path, dataset: Mapping[str, str] | None = None
+    sheet: PrintableSheet,
+    folder: Path,
+    dataset: Mapping[str, str] | None = None,
+    *,
+    replace: bool = False,
 ) -> list[Path]:
-    """Write all files of a sheet, in place of those of the same name.
+    """Write all files of a sheet.
 
     Parameters
     ----------
     folder : an existing folder.
     dataset : "id" and "recipe_digest" of the pattern's cell dataset, for the record.
+    replace : whether files of the same names may be written over.
 
     Returns
     -------
@@ -64,10 +78,11 @@ def write_sheet(
 
     Raises
     ------
-    BadInputError : there is no such folder, or it cannot be written to.
+    BadInputError : there is no such folder, it cannot be written to, or it has files of these
+        names.
     """
-    require_folder(folder)
-    name = sheet_name(sheet)
+    name = sheet_name(sheet.pattern, sheet.shape, sheet.layout)
+    require_room(folder, name, replace)
     identity = sheet_identity(sheet, dataset)
     contents = _contents(sheet, name, identity)
     record = {

@@ -181,7 +181,9 @@ class GapModel:
             if np.isinf(least):
                 lines.append(f"  {side:<8} no contact")
                 continue
-            where = f"from {least:.3g} mm-1 on, at {5.0 * int(np.argmin(onset)):g} degree"
+            # Of directions alike by symmetry, rounding must not choose.
+            first = 5.0 * int(np.argmax(onset <= least * (1.0 + 1e-6)))
+            where = f"from {least:.3g} mm-1 on, at {first:g} degree"
             known = self.largest_curvature
             beyond = f"; beyond {known:g} mm-1, up to which it is tried" if least > known else ""
             lines.append(f"  {side:<8} contact {where}{beyond}")

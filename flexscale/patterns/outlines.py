@@ -8,6 +8,9 @@ would get outlines that differ.)
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from decimal import ROUND_FLOOR, Decimal
+
 import numpy as np
 import shapely
 
@@ -23,27 +26,28 @@ ROUNDING = 1e-9  # of the inset: corners closer than this are one
 SHORTEST = 0.05  # of the inset: edges that it leaves shorter are lost
 
 
-def scale_outline(polygon: FloatArray, gap: float, number: int) -> FloatArray:
+def scale_outline(tiles: Sequence[FloatArray], number: int, gap: float) -> FloatArray:
     """Outline (m, 2) of the scale on a tile, counterclockwise, without corners on straight lines.
 
     Parameters
     ----------
-    polygon : (n, 2) corners of the tile, mm.
+    tiles : corners (n_i, 2) of all tiles of the pattern, mm.
+    number : of the tile.
     gap : mm, whole distance between neighboring scales.
-    number : of the tile, for messages.
 
     Raises
     ------
     PatternError : the scale vanishes or falls apart.
     """
+    polygon = tiles[number]
     corners = inset_corners(polygon, 0.5 * gap)
     if corners is None:
-        shape = _inset(polygon, 0.5 * gap)
-        what = "vanishes" if shape.is_empty else f"falls apart into {len(shape.geoms)} pieces"
+        n_pieces = shapely.get_num_geometries(_inset(polygon, 0.5 * gap))
+        what = "vanishes" if n_pieces < 2 else f"falls apart into {n_pieces} pieces"
         raise PatternError(
             f"A gap of {gap:g} mm is too wide for tile {number} "
             f"({polygon_area(polygon):.4g} mm²): its scale {what}. "
-            f"Use a gap below {_widest_gap(polygon, gap):.3g} mm."
+            f"Use a gap of {_widest_gap(tiles, gap):g} mm at most."
         )
     return corners
 
@@ -59,7 +63,8 @@ def inset_corners(polygon: FloatArray, inset: float) -> FloatArray | None:
         corners = _corners_left(polygon, inset)
     if corners is None:
         return None
-    return _without_straight_corners(merge_runs(corners, SHORTEST * inset)[0])
+    left = _without_straight_corners(merge_runs(corners, SHORTEST * inset)[0])
+    return left if len(left) >= 3 else None  # of a strip too narrow, both short ends are corners
 
 
 def inset_edges(polygon: FloatArray, inset: float) -> FloatArray | None:
@@ -185,15 +190,26 @@ def _frames(polygon: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     return turning_angles(polygon), tangents, np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
 
 
-def _widest_gap(polygon: FloatArray, too_wide: float) -> float:
-    """Bisection for the gap at which the scale stops being one piece, mm."""
-    low, high = 0.0, too_wide
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        shape = _inset(polygon, 0.5 * middle)
-        whole = not shape.is_empty and shape.geom_type == "Polygon"
-        low, high = (middle, high) if whole else (low, middle)
-    return low
+def _widest_gap(tiles: Sequence[FloatArray], too_wide: float) -> float:
+    """Gap, mm, that leaves every tile a scale in one piece; three digits, rounded down."""
+    widest = too_wide
+    for tile in tiles:
+        if inset_corners(tile, 0.5 * widest) is not None:
+            continue
+        low, high = 0.0, widest
+        for _ in range(20):
+            middle = 0.5 * (low + high)
+            whole = inset_corners(tile, 0.5 * middle) is not None
+            low, high = (middle, high) if whole else (low, middle)
+        widest = low
+    if widest == 0.0:
+        return 0.0
+    step = Decimal(1).scaleb(Decimal(widest).adjusted() - 2)
+    named = Decimal(widest).quantize(step, ROUND_FLOOR)
+    # Scales may be whole at some gap, and not at a narrower one: what is named is tried.
+    while named > 0 and any(inset_corners(tile, 0.5 * float(named)) is None for tile in tiles):
+        named -= step
+    return float(named)
 
 
 def _corners_left(polygon: FloatArray, inset: float) -> FloatArray | None:

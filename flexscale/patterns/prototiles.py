@@ -66,7 +66,7 @@ def find_prototiles(
                 break
         else:
             stabiliser = polygon_isometries(polygon, sharp, polygon, sharp, tolerance)
-            outline = scale_outline(polygon, gap, number)
+            outline = scale_outline(cell.tiles, number, gap)
             copies.append(TileCopy(len(prototiles), stabiliser[0]))
             prototiles.append(Prototile(polygon, sharp, tuple(stabiliser), outline))
     return tuple(prototiles), tuple(copies)

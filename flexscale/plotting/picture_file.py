@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from PIL import Image
 
-from flexscale.datasets.staging import write_atomically
+from flexscale.datasets.staging import require_free, write_atomically
 from flexscale.errors import BadInputError, suggest
 from flexscale.plotting.style import flexscale_style
 
@@ -21,12 +21,17 @@ PICTURE_FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
-def require_picture_path(path: Path) -> None:
+def require_picture_path(path: Path, replace: bool = False) -> None:
     """Refuse a path that no picture can be written to.
+
+    Parameters
+    ----------
+    replace : whether a file that is there may be written over.
 
     Raises
     ------
-    BadInputError : its folder does not exist, or its ending is no format of pictures.
+    BadInputError : its folder does not exist, its ending is no format of pictures, or there is a
+        file of this name.
     """
     ending = path.suffix.removeprefix(".")
     if ending not in PICTURE_FORMATS:
@@ -36,20 +41,24 @@ def require_picture_path(path: Path) -> None:
         )
     if not path.parent.is_dir():
         raise BadInputError(f"There is no folder {path.parent}: create it, or name another one.")
+    require_free([path], replace)
 
 
-def write_picture(figure: Figure, path: Path, *, n_colors: int | None = None) -> None:
+def write_picture(
+    figure: Figure, path: Path, *, n_colors: int | None = None, replace: bool = False
+) -> None:
     """Write a figure in the format of the path's ending, whole or not at all.
 
     Parameters
     ----------
     n_colors : of a PNG, at most 256: a palette makes a figure of flat colors a quarter in size.
+    replace : whether a file that is there may be written over.
 
     Raises
     ------
     BadInputError : as `require_picture_path`.
     """
-    require_picture_path(path)
+    require_picture_path(path, replace)
     content = picture_bytes(figure, path.suffix.removeprefix("."), n_colors=n_colors)
     write_atomically(path, lambda file: file.write_bytes(content))
 

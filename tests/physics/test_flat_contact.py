@@ -50,9 +50,9 @@ def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> N
     assert squares.tensor_onset(tensor) == pytest.approx(squares.onset(0.0), rel=0.03)
 
 
-@pytest.mark.parametrize(("gap", "height"), [(0.4, 1.0), (2.0, 4.0), (1.0, 0.5), (0.4, 4.0)])
+@pytest.mark.parametrize(("gap", "height"), [(0.4, 1.0), (2.0, 4.0), (0.4, 4.0)])
 def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
-    """Rigid blocks on hinges again: 0.04, 0.05 and 0.2 mm-1 lie beyond all sample curvatures."""
+    """Rigid blocks on hinges again: 0.04 and 0.05 mm-1 lie beyond all sample curvatures."""
     pattern = fs.named_pattern("square", gap=gap, scale_height=height)
     model = fs.gap_model(pattern, mesh=COARSEST)
     expected = gap / (height * 10.0)
@@ -67,6 +67,7 @@ def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
     assert ("beyond 0.03 mm-1" in said) == (expected > model.largest_curvature)
 
 
+@pytest.mark.slow
 def test_a_sweep_meets_where_a_late_onset_says() -> None:
     pattern = fs.named_pattern("square", scale_height=1.0)
     onset = float(fs.gap_model(pattern, mesh=COARSEST).onset(0.0))

@@ -44,6 +44,45 @@ def test_paths_on_stdout_and_figures_on_stderr(
     assert record()["pattern"]["name"] == "hexagon"
 
 
+def test_an_earlier_sheet_is_not_written_over_before_it_is_made(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("square-rectangle-40x30.3mf").write_text("earlier")
+    with monkeypatch.context() as context:
+        context.setattr("flexscale.cli.fabricate_sheet.printable_sheet", lambda *_: 1 / 0)
+        assert call(context, "fabricate", "square", *SMALL) == 2
+    assert "40x30.3mf is there already" in capsys.readouterr().err
+    assert left() == ["square-rectangle-40x30.3mf"]
+    assert call(monkeypatch, "fabricate", "square", *SMALL, "--force", "--quiet") == 0
+    assert len(left()) == 6
+    assert Path("square-rectangle-40x30.3mf").read_bytes() != b"earlier"
+
+
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        (("--center", "1e300", "0"), "center"),
+        (("--pin", "1e300"), "pin"),
+        (("--shape", "disc", "--size", "0.3", "--hub", "0"), "mm"),
+        (("--size", "9" * 3000), "size"),
+        (("--size", "nanx30"), "length"),
+        (("--direction", "1e300"), "direction"),
+        (("--shape", "disc", "--size", "1e-9", "--hub", "1e-10"), "radius"),
+    ],
+)
+def test_numbers_far_off_are_one_sentence(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    given: tuple[str, ...],
+    word: str,
+) -> None:
+    assert call(monkeypatch, "fabricate", "square", *given) == 2
+    said = capsys.readouterr().err
+    assert word in said
+    assert len(said) < 400
+    assert left() == []
+
+
 def test_json_on_stdout_is_the_record(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -83,6 +83,12 @@ def test_draw_writes_a_picture_and_prints_its_path(
     assert capsys.readouterr().out == "folder/IH10.png\nfolder/x.svg\n"
     assert "<svg" in Path("folder/x.svg").read_text()
     assert files() == ["IH07.png", "folder"]
+    before = Path("IH07.png").read_bytes()
+    assert call(monkeypatch, "tiling", "draw", "IH07", "--parameters", "0.2,0.1") == 2
+    assert "IH07.png is there already: name another place" in capsys.readouterr().err
+    assert Path("IH07.png").read_bytes() == before
+    assert call(monkeypatch, "tiling", "draw", "IH07", "--parameters", "0.2,0.1", "--force") == 0
+    assert Path("IH07.png").read_bytes() != before
 
 
 def test_numbers_after_the_option_need_no_commas(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -290,6 +296,9 @@ def test_named_patterns_in_one_file(
     assert call(monkeypatch, "tiling", "gallery", "--named") == 0
     assert capsys.readouterr().out == "patterns.png\n"
     assert files() == ["patterns.png"]
+    for command in (["--named"], ["--out", "patterns.png"]):
+        assert call(monkeypatch, "tiling", "gallery", *command) == 2
+        assert "patterns.png is there already" in capsys.readouterr().err
 
 
 def test_a_named_pattern_is_drawn_with_its_own_shape(
@@ -298,7 +307,7 @@ def test_a_named_pattern_is_drawn_with_its_own_shape(
     drawn = []
     monkeypatch.setattr("flexscale.cli.tiling_draw.picture_of", drawn.append)
     monkeypatch.setattr("flexscale.cli.tiling_draw.tiling_figure", lambda *_: None)
-    monkeypatch.setattr("flexscale.cli.tiling_draw.write_picture", lambda *_: None)
+    monkeypatch.setattr("flexscale.cli.tiling_draw.write_picture", lambda *_, **__: None)
     assert call(monkeypatch, "tiling", "draw", "pinwheel3") == 0
     assert call(monkeypatch, "tiling", "draw", "arrowhead", "--parameters", "0", "0") == 0
     assert capsys.readouterr().out == "pinwheel3.png\narrowhead.png\n"

@@ -17,6 +17,7 @@ from flexscale.datasets.identity import Recipe
 from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Entry, Store
 from flexscale.errors import (
+    BadInputError,
     ConfigError,
     DatasetError,
     IntegrityError,
@@ -275,6 +276,12 @@ def test_export_and_description(store: Store, tmp_path: Path) -> None:
     assert len(table) == 1 + 18
     assert "moment [N]" in table[0]
     assert "stretch_xx" in table[0]
+    copy.write_text("mine")
+    with pytest.raises(BadInputError, match="is there already"):
+        export(entry, tmp_path)
+    assert copy.read_text() == "mine"
+    assert export(entry, tmp_path, replace=True) == copy
+    assert copy.read_bytes() == (entry.folder / "data.nc").read_bytes()
     with pytest.raises(ConfigError, match="no folder"):
         export(entry, tmp_path / "nowhere")
     with pytest.raises(ConfigError, match="Did you mean 'csv'"):

@@ -18,7 +18,7 @@ from flexscale.cli.fabricate_sheet import cell_dataset
 from flexscale.errors import BadInputError
 from flexscale.fabricate import Disc, Layout, PrintableSheet, Rectangle, printable_sheet
 from flexscale.fabricate import files as fabricate_files
-from flexscale.fabricate.files import pattern_digest, sheet_name, write_sheet
+from flexscale.fabricate.files import ENDINGS, pattern_digest, sheet_name, write_sheet
 from flexscale.fabricate.threemf import NAMESPACE
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
@@ -116,7 +116,7 @@ def test_what_is_interrupted_has_no_record(
 
     monkeypatch.setattr(fabricate_files, "write_atomically", stops_in_the_third)
     with pytest.raises(KeyboardInterrupt):
-        write_sheet(sheet, tmp_path)
+        write_sheet(sheet, tmp_path, replace=True)
     left = sorted(path.name for path in tmp_path.iterdir())
     assert f"{STEM}.json" not in left
     assert not [name for name in left if name.endswith(".part")]
@@ -135,6 +135,17 @@ def test_a_full_disk_is_told(
         write_sheet(sheet, tmp_path)
 
 
+def test_files_that_are_there_are_not_written_over(sheet: PrintableSheet, tmp_path: Path) -> None:
+    (tmp_path / f"{STEM}-scales.stl").write_text("of an earlier sheet")
+    with pytest.raises(BadInputError, match=f"{STEM}-scales.stl is there already: name another"):
+        write_sheet(sheet, tmp_path)
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["of an earlier sheet"]
+    paths = write_sheet(sheet, tmp_path, replace=True)
+    assert {path.name for path in paths} == {f"{STEM}{ending}" for ending in ENDINGS}
+    with pytest.raises(BadInputError, match="is there already, and 5 more that would be written"):
+        write_sheet(sheet, tmp_path)
+
+
 def test_a_missing_folder_is_refused(sheet: PrintableSheet, tmp_path: Path) -> None:
     with pytest.raises(BadInputError, match="There is no folder"):
         write_sheet(sheet, tmp_path / "nowhere")
@@ -143,7 +154,7 @@ def test_a_missing_folder_is_refused(sheet: PrintableSheet, tmp_path: Path) -> N
 def test_names_of_files_are_plain() -> None:
     pattern = fs.named_pattern("square").with_(name="my/odd name")
     turned = printable_sheet(pattern, Disc(20.0), layout=Layout(direction=12.5))
-    assert sheet_name(turned) == "my-odd-name-disc-20-12.5deg"
+    assert sheet_name(turned.pattern, turned.shape, turned.layout) == "my-odd-name-disc-20-12.5deg"
 
 
 @pytest.mark.parametrize("name", [entry.name for entry in fs.named_patterns()])

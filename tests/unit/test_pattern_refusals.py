@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexscale.errors import BadInputError, PatternError, TilingError, UnitRangeError
@@ -45,7 +46,7 @@ def test_polygons(case: str) -> None:
 
 def test_gap_at_which_the_scale_vanishes() -> None:
     with pytest.raises(
-        PatternError, match=r"11 mm is too wide for tile 0 .*vanishes.* below 10 mm"
+        PatternError, match=r"11 mm is too wide for tile 0 .*vanishes.* of 9\.99 mm at most"
     ):
         Pattern(Tiling("IH76"), gap=11.0)
 
@@ -53,7 +54,9 @@ def test_gap_at_which_the_scale_vanishes() -> None:
 def test_gap_at_which_the_scale_falls_apart() -> None:
     tiles = [DUMBBELL, BETWEEN]
     assert custom(tiles, (10, 0), (0, 8), gap=0.9).n_scales == 2
-    with pytest.raises(PatternError, match=r"for tile 0 .*falls apart into 2 pieces.* below 1 mm"):
+    with pytest.raises(
+        PatternError, match=r"for tile 0 .*falls apart into 2 pieces.* of 0\.999 mm at most"
+    ):
         custom(tiles, (10, 0), (0, 8), gap=1.2)
 
 
@@ -114,3 +117,39 @@ def test_wrong_kinds_of_arguments() -> None:
         Pattern(Tiling("IH76")).with_(gaps=1.0)
     with pytest.raises(BadInputError, match="no parameter 'tile_area'"):
         custom([SQUARE], (10, 0), (0, 10)).with_(tile_area=1.0)
+
+
+def _told_gap(error: pytest.ExceptionInfo[PatternError]) -> float:
+    return float(str(error.value).split("Use a gap of ")[1].split(" mm")[0])
+
+
+@pytest.mark.parametrize("angle", [17.0, 40.0, 73.3, 90.0])
+@pytest.mark.parametrize("times", [1.0002, 1.5])
+def test_the_widest_gap_that_is_named_works(angle: float, times: float) -> None:
+    """Rhombs of side 10 mm vanish at their width, 10 sin(angle)."""
+    turn = np.radians(angle)
+    t1, t2 = np.array([10.0, 0.0]), 10.0 * np.array([np.cos(turn), np.sin(turn)])
+    width = 10.0 * float(np.sin(turn))
+    rhomb = [np.zeros(2), t1, t1 + t2, t2]
+    with pytest.raises(PatternError, match="its scale vanishes") as error:
+        Pattern.from_polygons([rhomb], t1, t2, gap=times * width)
+    told = _told_gap(error)
+    assert 0.99 * width < told < width
+    assert Pattern.from_polygons([rhomb], t1, t2, gap=told).gap == told
+
+
+def test_the_widest_gap_is_that_of_all_tiles() -> None:
+    """The first tile takes up to 4 mm, the second one up to 2 mm."""
+    tiles = [[(0, 0), (10, 0), (10, 4), (0, 4)], [(0, 4), (10, 4), (10, 6), (0, 6)]]
+    with pytest.raises(PatternError, match=r"too wide for tile 0 .* vanishes") as error:
+        Pattern.from_polygons(tiles, (10, 0), (0, 6), gap=4.5)
+    told = _told_gap(error)
+    assert 1.8 < told < 2.0
+    assert Pattern.from_polygons(tiles, (10, 0), (0, 6), gap=told).gap == told
+
+
+def test_a_scale_without_width_has_vanished() -> None:
+    """Of a tile 5 mm wide, 0.05 mm are left: both ends are shorter than what counts as an edge."""
+    tile = [(0, 0), (10, 0), (10, 5), (0, 5)]
+    with pytest.raises(PatternError, match="its scale vanishes"):
+        Pattern.from_polygons([tile], (10, 0), (0, 5), gap=4.95)

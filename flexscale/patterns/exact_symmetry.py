@@ -49,6 +49,10 @@ class Symmetrized:
     off: float
     mean: float
 
+    def is_within(self, limit: float) -> bool:
+        """Whether nothing has been moved farther than a limit [mm], and most by half of it."""
+        return self.off <= limit and self.mean <= 0.5 * limit
+
 
 def symmetrized(cell: TiledCell, tolerance: float, limit: float) -> Symmetrized | None:
     """The tiling with all symmetry that it has to a tolerance [mm]; None if there is no such way.
@@ -74,7 +78,7 @@ def symmetrized(cell: TiledCell, tolerance: float, limit: float) -> Symmetrized 
         _placed(cell, vertices, primitive, fractions - group.origin, basis)
         for basis in _exact_bases(primitive.basis, group)
     ]
-    best = moved[0] if moved[0].off <= limit else min(moved, key=lambda one: one.off)
+    best = next((one for one in moved if one.is_within(limit)), moved[-1])
     if best.off < EXACT * cell.size:
         best = replace(best, cell=cell)
     return replace(best, group=drawn.group, order=order)
@@ -224,15 +228,17 @@ def _matrix(operation: SymmetryOperation, basis: FloatArray) -> Matrix:
 
 
 def _exact_bases(basis: FloatArray, group: _Group) -> list[FloatArray]:
-    """Nearest bases that a group keeps: turned to a multiple of 15°, and as they are.
+    """Nearest bases that a group keeps: turned to a multiple of 15°, and not turned.
 
-    An axis of a reflection, or else the first basis vector, is turned to the multiple.
+    An axis of a reflection, or else of rotations the first basis vector, is turned to the multiple.
     """
     matrices = [np.array(matrix) for matrix in group.matrices]
     inner = np.mean([m @ basis @ basis.T @ m.T for m in matrices], axis=0)
     root = np.linalg.cholesky(inner)
     left, _, right = np.linalg.svd(root.T @ basis)
     nearest = root @ left @ right
+    if len(matrices) <= 2 and all(np.linalg.det(matrix) > 0.0 for matrix in matrices):
+        return [nearest]
     angle = np.degrees(np.arctan2(nearest[0, 1], nearest[0, 0]))
     for matrix in matrices:
         if np.linalg.det(matrix) < 0.0:
@@ -271,7 +277,7 @@ def symmetry_within(cell: TiledCell, limit: float) -> Symmetrized:
     """The most symmetric tiling of which no corner lies farther than a limit [mm], most by half."""
     for tolerance in (NEAR * cell.size, 4.0 * limit, limit):
         found = symmetrized(cell, tolerance, limit)
-        if found is not None and found.off <= limit and found.mean <= 0.5 * limit:
+        if found is not None and found.is_within(limit):
             return found
     return Symmetrized(cell, "p1", 1, 0.0, 0.0)
 

@@ -74,6 +74,11 @@ class PlacedTiles:
                 break
         return found
 
+    def copies(self, tile: int) -> list[int]:
+        """All tiles that lattice vectors carry onto one of them, itself included."""
+        (near,) = self._near(self.centroids[tile][None])
+        return [other for other in near if self._same_shape(tile, other, np.eye(2))]
+
     def _near(self, points: FloatArray) -> list[list[int]]:
         """For each point (n, 2) the tiles with their centroids there, modulo the lattice."""
         reach = NEAR_CENTROID * self.tolerance

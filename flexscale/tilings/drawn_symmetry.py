@@ -121,10 +121,10 @@ def _primitive(polygons: list[FloatArray], lattice: FloatArray, tolerance: float
     repeated = PlacedTiles(polygons, primitive, placed.tolerance)
     kept: list[int] = []
     known: set[int] = set()
-    for tile, same in enumerate(repeated.partners(np.eye(2), np.zeros(2))):
+    for tile in range(n):
         if tile not in known:
             kept.append(tile)
-            known.update(same)
+            known.update(repeated.copies(tile))
     fewer = PlacedTiles([polygons[tile] for tile in kept], primitive, placed.tolerance)
     return _PrimitiveCell(fewer, kept, n * n // int(whole[0, 0] * whole[1, 1]))
 

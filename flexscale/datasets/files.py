@@ -83,9 +83,10 @@ def write_payload(folder: Path, dataset: xr.Dataset, kind: str, facts: dict[str,
     }
     try:
         dataset.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
-    except RuntimeError as error:  # how the netCDF library reports a full disk, without saying so
+    except (RuntimeError, OSError) as error:
+        # The netCDF library reports a full disk as "HDF error" or "Permission denied".
         (folder / "probe").write_bytes(_PROBE)
-        raise OSError(str(error)) from error
+        raise OSError(getattr(error, "strerror", None) or str(error)) from error
     content = read_regular(path, LARGEST_FILE)
     stored = read_netcdf(path, content)
     check_dataset(stored, kind)

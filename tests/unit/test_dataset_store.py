@@ -141,6 +141,26 @@ def test_a_failing_write_leaves_nothing(store: Store, monkeypatch: pytest.Monkey
     assert files_below(store.root) == ["local/.lock"]
 
 
+@pytest.mark.parametrize(
+    "error", [RuntimeError("NetCDF: HDF error"), PermissionError(13, "Permission denied")]
+)
+def test_a_full_disk_is_named_where_the_library_does_not(
+    store: Store, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def disk_full(*_: object, **__: object) -> None:
+        raise error
+
+    def refuse(path: Path, data: bytes) -> int:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", disk_full)
+    with pytest.raises(DatasetError, match=r"cannot be written: .*(HDF|denied)"):
+        publish(store)
+    monkeypatch.setattr(Path, "write_bytes", refuse)
+    with pytest.raises(DatasetError, match=r"cannot be written: No space left on device\. Check"):
+        publish(store)
+
+
 def truncated(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-100])
 

@@ -29,6 +29,9 @@ GMSH_LIBRARIES = {
     "libgomp.so.1": "libgomp1",
 }
 _PLANNED = re.compile(r"^'\S+' ([^_\s]+)_\S+\.deb (\d+)", re.MULTILINE)
+#: Drivers of screens and what they need: nine tenths of the room, and nothing is shown on any.
+_SCREEN = re.compile(r"libgl1-mesa-dri|libglx-mesa|libllvm|libz3|libicu|libxml2")
+_INSTALLED = "/var/lib/dpkg/status"
 _LINES_KEPT = 5  # of what a program said that failed
 
 
@@ -78,7 +81,6 @@ def unpack(packages: Sequence[str]) -> None:
             (work / name).mkdir(parents=True)
         settings = {
             "Dir::State": work / "lists",
-            "Dir::State::status": "/var/lib/dpkg/status",
             "Dir::Cache": work / "cache",
             "Debug::NoLocking": "1",
             "APT::Sandbox::User": "",
@@ -87,8 +89,7 @@ def unpack(packages: Sequence[str]) -> None:
         _tell(f"without root: asking for {', '.join(packages)} and what they need")
         try:
             _run([*apt, "update"])
-            wished = _run([*apt, "--print-uris", "--no-install-recommends", "install", *packages])
-            planned = {name: int(size) for name, size in _PLANNED.findall(wished)}
+            planned = _plan(apt, packages, work / "nothing-installed")
             wanted = sorted({*planned, *packages})
             size = sum(planned.values()) / 1e6
             _tell(f"downloading {len(wanted)} packages, {size:.0f} MB, to unpack in {UNPACKED}")
@@ -99,6 +100,21 @@ def unpack(packages: Sequence[str]) -> None:
             line = install_command(packages)
             raise MissingSystemPartError(f"{error}\nAs root, this installs them: {line}") from error
         shutil.copytree(work / "tree", UNPACKED, symlinks=True, dirs_exist_ok=True)
+
+
+def _plan(apt: list[str], packages: Sequence[str], nothing: Path) -> dict[str, int]:
+    """Packages and what they need that is not installed -> bytes to download.
+
+    Where what is installed does not fit together, as if nothing were; `nothing` is made for it.
+    """
+    nothing.touch()
+    install = ["--print-uris", "--no-install-recommends", "install", *packages]
+    try:
+        wished = _run([*apt, "-o", f"Dir::State::status={_INSTALLED}", *install])
+    except MissingSystemPartError:
+        wished = _run([*apt, "-o", f"Dir::State::status={nothing}", *install])
+    planned = {name: int(size) for name, size in _PLANNED.findall(wished)}
+    return {name: size for name, size in planned.items() if not _SCREEN.match(name)}
 
 
 def _tell(text: str) -> None:

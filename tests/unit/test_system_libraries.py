@@ -79,9 +79,13 @@ def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     scripts = {
         "apt-get": """case "$*" in
 *update*) test ! -e "$0.offline" || { echo "E: no network" >&2; exit 100; } ;;
-*--print-uris*) for name in libglu1-mesa libx11-6; do
+*status=/var/lib/dpkg/status*) test ! -e "$0.unfit" || exit 100
+    for name in libglu1-mesa libx11-6 libllvm15; do
     echo "'http://x/$name_1_all.deb' ${name}_1_all.deb 1500000 SHA256:0"; done ;;
-*download*) touch libglu1-mesa_1_all.deb libx11-6_1_all.deb ;;
+*--print-uris*) for name in libglu1-mesa libx11-6 libllvm15; do
+    echo "'http://x/$name_1_all.deb' ${name}_1_all.deb 1500000 SHA256:0"; done ;;
+*download*) shift $(($# - 2)); for name in "$@"; do
+    test $name = download || touch ${name}_1_all.deb; done ;;
 esac""",
         "dpkg-deb": 'mkdir -p "$3/usr/lib"; touch "$3/usr/lib/$(basename "$2" .deb).so"',
     }
@@ -93,9 +97,13 @@ esac""",
     return tmp_path
 
 
+@pytest.mark.parametrize("unfit", [False, True])
 def test_packages_are_unpacked_with_all_that_they_need(
-    programs: Path, capsys: pytest.CaptureFixture[str]
+    unfit: bool, programs: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Also where the packages that are installed do not fit together."""
+    if unfit:
+        (programs / "apt-get.unfit").touch()
     system_libraries.unpack(["libglu1-mesa"])
     found = sorted(path.name for path in (programs / "unpacked/usr/lib").iterdir())
     assert found == ["libglu1-mesa_1_all.so", "libx11-6_1_all.so"]

@@ -54,7 +54,12 @@ def start(
 def run(file: Path, results: Path, *options: str) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a whole run."""
     process = start(file, results, *options)
-    out, err = process.communicate(timeout=PATIENCE)
+    try:
+        out, err = process.communicate(timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        process.terminate()
+        process.communicate()
+        raise
     return process.returncode, out, err
 
 

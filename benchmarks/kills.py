@@ -3,14 +3,15 @@
     python benchmarks/kills.py [--number 200] [--log FILE] [--output FILE]
 
 A small experiment (squares on a very coarse mesh: cell, tangent, sweep in two processes, figure) is
-run by `flexscale run`. As soon as a process of the role in turn is there, and a random time later,
-it is sent SIGKILL or SIGTERM. The same command then goes on in the same folder, and may be killed
-again, until it comes to its end; then the datasets must have the digests of an undisturbed run, and
-the next folder follows. For every kill: the run must end within five minutes (else it counts as
-hung), with a sentence and the exit code 4 (130 where `flexscale` itself was sent SIGTERM; 0 where
-the process had done its work), without speaking of a bug; no process of it may be left fifteen
-seconds later; and no dataset and no finished sample may be lost. With --log, kills are kept in a
-file of JSON lines, and a second call goes on from there.
+run by `flexscale run`. As soon as a process of the role in turn is there (for the two that live as
+long as the run: as one of a random role is), and a random time later, it is sent SIGKILL or
+SIGTERM. The same command then goes on in the same folder, and may be killed again, until it comes
+to its end; then the datasets must have the digests of an undisturbed run, and the next folder
+follows. For every kill: the run must end within five minutes (else it counts as hung), with a
+sentence and the exit code 4 (130 where `flexscale` itself was sent SIGTERM; 0 where the process had
+done its work), without speaking of a bug; no process of it may be left fifteen seconds later; and
+no dataset and no finished sample may be lost. With --log, kills are kept in a file of JSON lines,
+and a second call goes on from there.
 """
 
 from __future__ import annotations
@@ -45,6 +46,7 @@ figures: [polar]
 """
 MARK = "FLEXSCALE_KILLS"  # environment variable by which all processes of a run are known
 ROLES = ("flexscale", "snakemake", "shell", "job", "worker", "drawing")
+LONG_LIVED = ("flexscale", "snakemake")  # killed after any process of the run has come up
 LIMIT, STOP, POLL = 300.0, 15.0, 0.01  # s
 
 
@@ -155,12 +157,22 @@ def told(role: str, sign: signal.Signals, code: int, said: str) -> bool:
 
 
 def kill_one(
-    file: Path, results: Path, role: str, sign: signal.Signals, delay: float
+    file: Path,
+    results: Path,
+    role: str,
+    sign: signal.Signals,
+    delay: float,
+    after: str = "flexscale",
 ) -> tuple[Kill | None, int, str]:
-    """Run once and kill; no kill where the run ended first. Also its exit code and what it said."""
+    """Run once and kill a process of a role, some time after one of another role was there.
+
+    Returns
+    -------
+    The kill, None where the run ended first; its exit code, and what it said.
+    """
     mark, begun = uuid.uuid4().hex, time.monotonic()
     run = start(file, results, mark)
-    victim = find(role, run)
+    victim = find(role, run) if find(after, run) else None
     if victim is not None:
         time.sleep(delay)
     before, moment = kept(results), time.monotonic()
@@ -219,7 +231,8 @@ def do_kills(number: int, log: Path) -> list[dict[str, object]]:
             role = min(ROLES, key=lambda role: (counts[role], chance.random()))
             sign = chance.choice([signal.SIGKILL, signal.SIGTERM])
             delay = chance.uniform(0.0, chance.choice([0.1, 0.6, 4.0]))
-            kill, code, said = kill_one(file, results, role, sign, delay)
+            after = chance.choice(ROLES) if role in LONG_LIVED else role
+            kill, code, said = kill_one(file, results, role, sign, delay, after)
             made: list[dict[str, object]] = []
             if kill is not None:
                 counts[role] += 1

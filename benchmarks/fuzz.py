@@ -80,7 +80,13 @@ def outcome_of(action: Callable[[], Any]) -> tuple[str, Any]:
 def try_call(call: Call, chance: random.Random) -> tuple[str, str]:
     """A call with one or two arguments changed: its outcome, and what to know of a fault."""
     arguments = call.with_changes(chance, mutated)
-    kind, found = outcome_of(lambda: call.function(**arguments))
+
+    def action() -> Any:
+        result = call.function(**arguments)
+        repr(result)  # what comes back can be looked at
+        return result
+
+    kind, found = outcome_of(action)
     if kind == "succeeds":
         taken = any(map(has_infinity_or_nan, arguments.values()))
         finite = results_are_finite(found) or call.name in _MAY_BE_INFINITE

@@ -122,7 +122,7 @@ def require_array(value: object, name: str, unit: str) -> FloatArray:
     refusal = f"{name} must be numbers{_in(unit)}, all finite, not {shown(value)}."
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise UnitRangeError(refusal)
-    if isinstance(value, Sized) and len(value) > 100 * MOST_VALUES and not hasattr(value, "dtype"):
+    if isinstance(value, Sequence) and len(value) > 100 * MOST_VALUES:
         raise UnitRangeError(f"{name} are {len(value)} numbers, more than can be taken.")
     try:
         array = np.asarray(value)

@@ -10,7 +10,8 @@ from flexscale.datasets.build import build_fit_dataset
 from flexscale.datasets.fit_values import PARAMETERS, FloatArray
 from flexscale.datasets.given import read_config, require_variables
 from flexscale.datasets.schema import schema_of
-from flexscale.datasets.variables import SCALARS
+from flexscale.datasets.variables import ASSESSMENTS, SCALARS, SOME_SIDES, STATISTICS
+from flexscale.errors import SchemaError
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.polar import DirectionalLaws, PolarLaw
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from flexscale.datasets.identity import Recipe
     from flexscale.macro.model import MacroModel
 
+#: Axes that are the same in all datasets of this kind.
+_FIXED = {"parameter": PARAMETERS, "assessment": ASSESSMENTS, "statistic": STATISTICS}
 _ERRORS = tuple(FitErrors.__dataclass_fields__)
 
 
@@ -81,7 +84,10 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
     declared = schema_of("fit")
     needed = [v.name for v in (*declared.coordinates, *declared.variables) if not v.optional]
     require_variables(dataset, needed, "A macro model", "fit")
-    sides = tuple(str(side) for side in dataset["side"].values)
+    for name, wanted in _FIXED.items():
+        if dataset[name].values.tolist() != list(wanted):
+            raise SchemaError(f"The {name} of a macro model is {', '.join(wanted)}, in this order.")
+    sides = SOME_SIDES(dataset["side"].values, "side")
     values = {name: dataset[name].values for name in dataset.variables}
     directional = values["directional_value"]
     a = directional[:, 0]

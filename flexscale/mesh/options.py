@@ -7,7 +7,6 @@ from typing import Any
 
 from flexscale.checks import Check, checked, length, number, whole
 from flexscale.errors import MeshError
-from flexscale.units import require_positive
 
 MOST_GROWTH = 1e3  # of neighboring sizes: beyond, triangles are needles whatever the mesh
 
@@ -89,9 +88,9 @@ class MeshOptions:
         """The options as plain numbers; `MeshOptions(**config)` makes them again."""
         return asdict(self)
 
+    @checked(factor=number("1", 0.01, 100.0, name="refinement factor"))
     def finer(self, factor: float) -> MeshOptions:
         """Options with all elements smaller by `factor`, graded over the same distances."""
-        factor = require_positive(factor, "refinement factor", "1")
         return MeshOptions(
             across=2 * max(1, round(0.5 * self.across * factor)),
             along=self.along / factor,

@@ -163,7 +163,8 @@ def _checked_parameters(
 
 def _some(parameters: Any) -> bool:
     """Whether there are any: families without parameters are given none."""
-    return not (isinstance(parameters, Sequence | np.ndarray) and np.size(parameters) == 0)
+    size = len(parameters) if isinstance(parameters, Sequence) else getattr(parameters, "size", 1)
+    return bool(size != 0)
 
 
 def _without_rounding(vectors: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ FLOORS = {
     "units": 0,
     "checks": 0,
     "names": 0,
+    "short_repr": 0,
     "status": 0,
     "simplices": 0,
     "kernel_cache": 0,

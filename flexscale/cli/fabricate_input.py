@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from flexscale.cli.tiling_input import read_edges, read_parameters
-from flexscale.errors import ConfigError, UnknownNameError, suggest
+from flexscale.errors import ConfigError, UnknownNameError, shown, suggest
 from flexscale.fabricate import Disc, Rectangle
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern, named_pattern, named_patterns
@@ -57,10 +57,11 @@ def requested_pattern(request: SheetRequest) -> tuple[Pattern, MeshOptions]:
     of_family = request.parameters is not None or bool(request.edges)
     is_file = text.endswith(_FILES) or Path(text).is_file()
     if request.select is not None and not is_file:
-        raise ConfigError(f"--pattern chooses from an experiment file, and {text!r} is none.")
+        raise ConfigError(f"--pattern chooses from an experiment file, and {shown(text)} is none.")
     if of_family and (is_file or not _is_family(text)):
         raise ConfigError(
-            f"--parameters and --edge shape a tiling family, such as IH07, and {text!r} is none."
+            "--parameters and --edge shape a tiling family, such as IH07, and "
+            f"{shown(text)} is none."
         )
     if is_file:
         return _from_file(Path(text), request)
@@ -72,7 +73,7 @@ def requested_pattern(request: SheetRequest) -> tuple[Pattern, MeshOptions]:
     names = [entry.name for entry in named_patterns()]
     if text not in names:
         raise UnknownNameError(
-            f"There is no pattern named {text!r}. {suggest(text, names)} A tiling family "
+            f"There is no pattern named {shown(text)}. {suggest(text, names)} A tiling family "
             "(IH01 to IH93) or an experiment file (.yaml) may be given too."
         )
     return named_pattern(text, **request.sizes), MeshOptions()
@@ -90,7 +91,7 @@ def _from_file(path: Path, request: SheetRequest) -> tuple[Pattern, MeshOptions]
             raise ConfigError(f"{path} has {len(names)} patterns: choose by --pattern: {listed}.")
         chosen = names[0]
     if chosen not in names:
-        raise UnknownNameError(f"{path} has no pattern {chosen!r}. {suggest(chosen, names)}")
+        raise UnknownNameError(f"{path} has no pattern {shown(chosen)}. {suggest(chosen, names)}")
     pattern = experiment.build_patterns()[chosen]
     return pattern.with_(**request.sizes), experiment.mesh
 
@@ -132,7 +133,9 @@ def _numbers(text: str) -> list[float]:
 
 
 def _bad_size(request: SheetRequest, form: str) -> ConfigError:
-    return ConfigError(f"--size {request.size!r} is no size of a {request.shape}: write {form}.")
+    return ConfigError(
+        f"--size {shown(request.size)} is no size of a {request.shape}: write {form}."
+    )
 
 
 def _is_family(text: str) -> bool:

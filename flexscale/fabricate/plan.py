@@ -17,12 +17,13 @@ from flexscale.fabricate.options import Grooves, Printer, check_printable
 from flexscale.fabricate.shapes import Shape
 from flexscale.fabricate.walls import is_printable, smallest_wall, without_thin_parts
 from flexscale.patterns import Pattern
+from flexscale.short_repr import ShortRepr
 
 LARGEST = 500.0  # mm from the middle: beyond, 32-bit numbers do not hold the grid
 
 
-@dataclass(frozen=True, eq=False)
-class PlannedScale:
+@dataclass(frozen=True, eq=False, repr=False)
+class PlannedScale(ShortRepr):
     """One scale, or a piece of one.
 
     Attributes
@@ -45,8 +46,8 @@ class PlannedScale:
         return self.shift is not None
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(ShortRepr):
     """All that is printed, seen from above, in mm, the middle of the sheet at the origin.
 
     Attributes

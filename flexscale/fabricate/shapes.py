@@ -133,10 +133,11 @@ class Disc:
         """Refuse a ring narrower than the printer's smallest wall."""
         ring = self.radius - 0.5 * (self.hub or 0.0)
         if ring < printer.wall - ROUNDING:
+            hole = f" with a hub hole of {self.hub:g} mm diameter" if self.hub else ""
             raise FabricationError(
-                f"A disc of {self.radius:g} mm radius with a hub hole of {self.hub:g} mm diameter "
-                f"leaves a ring of {ring:g} mm, below the smallest wall of {printer.wall:g} mm: "
-                "give a smaller hole."
+                f"A disc of {self.radius:g} mm radius{hole} leaves a ring of {ring:g} mm, below "
+                f"the smallest wall of {printer.wall:g} mm: give a "
+                f"{'smaller hole' if self.hub else 'larger radius'}."
             )
 
     def to_config(self) -> dict[str, Any]:

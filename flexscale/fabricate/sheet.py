@@ -20,12 +20,13 @@ from flexscale.fabricate.plan import Plan, build_plan
 from flexscale.fabricate.shapes import Disc, Rectangle, Shape
 from flexscale.fabricate.solids import Solid, bar, grooved, keyed, prism, solid_of
 from flexscale.patterns import Pattern
+from flexscale.short_repr import ShortRepr
 
 _ROOT = 0.5  # of the height above a groove: how far its rib is sunk into the body it belongs to
 
 
-@dataclass(frozen=True, eq=False)
-class PrintableSheet:
+@dataclass(frozen=True, eq=False, repr=False)
+class PrintableSheet(ShortRepr):
     """Scales and substrate in place for a printer with two materials; the bed is z = 0.
 
     Attributes

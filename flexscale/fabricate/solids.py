@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from flexscale.errors import FabricationError
 from flexscale.fabricate.walls import GRID, rings_of
+from flexscale.short_repr import ShortRepr
 
 FloatArray = NDArray[np.float64]
 
@@ -24,8 +25,8 @@ _PASSES = 5  # needles beside each other need more than one
 _REACH = 1.0  # mm, how far the tool that cuts grooves stands out above the substrate
 
 
-@dataclass(frozen=True, eq=False)
-class Solid:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solid(ShortRepr):
     """Closed surface of one material, to be printed.
 
     Attributes

@@ -32,6 +32,7 @@ from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
+from flexscale.short_repr import ShortRepr
 from flexscale.solve.linear import LINEAR_SOLVERS
 from flexscale.units import require_array
 
@@ -40,8 +41,8 @@ _SAMPLES = 1800
 SAME = 1e-3
 
 
-@dataclass(frozen=True)
-class TangentStiffness:
+@dataclass(frozen=True, repr=False)
+class TangentStiffness(ShortRepr):
     """Stiffness of a pattern at rest.
 
     Attributes

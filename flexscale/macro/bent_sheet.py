@@ -26,6 +26,7 @@ from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 from flexscale.mesh.sheet import SheetMesh, rectangle
+from flexscale.short_repr import ShortRepr
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 from flexscale.units import LENGTHS, require_finite, require_positive, require_range
@@ -62,8 +63,8 @@ class SheetOptions:
     turning: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class BentSheet:
+@dataclass(frozen=True, eq=False, repr=False)
+class BentSheet(ShortRepr):
     """A sheet at one curvature; numbers are nan unless it converged.
 
     Attributes

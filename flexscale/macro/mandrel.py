@@ -27,6 +27,7 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.load_series import finite_series
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh
+from flexscale.short_repr import ShortRepr
 from flexscale.solve.newton import SolverOptions
 from flexscale.status import SolveStatus
 
@@ -35,8 +36,8 @@ ANGLES = tuple(15.0 * k for k in range(24))
 _CLOSE = 1e-9  # share of the radius
 
 
-@dataclass(frozen=True, eq=False)
-class MandrelTest:
+@dataclass(frozen=True, eq=False, repr=False)
+class MandrelTest(ShortRepr):
     """Forces around the rim of a disc; numbers are nan where no equilibrium was found.
 
     Attributes

@@ -27,6 +27,7 @@ from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh, rectangle
+from flexscale.short_repr import ShortRepr
 from flexscale.solve.newton import SolverOptions, solve_equilibrium
 from flexscale.status import SolveStatus
 from flexscale.units import require_finite, require_positive
@@ -34,8 +35,8 @@ from flexscale.units import require_finite, require_positive
 _CLOSE = 1e-9  # share of the length
 
 
-@dataclass(frozen=True, eq=False)
-class StageTest:
+@dataclass(frozen=True, eq=False, repr=False)
+class StageTest(ShortRepr):
     """Forces on a strip between hinges; numbers are nan where no equilibrium was found.
 
     Attributes

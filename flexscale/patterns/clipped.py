@@ -20,6 +20,7 @@ from flexscale.patterns.overlay import intersection
 from flexscale.patterns.pattern import Pattern
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
 from flexscale.patterns.symmetry import BoolArray, FloatArray
+from flexscale.short_repr import ShortRepr
 from flexscale.units import require_finite, require_positive
 
 SLIVER = 0.05  # of a tile's area: smaller pieces carry no scale
@@ -29,8 +30,8 @@ TRIES, ENOUGH = 25, 5  # places of the pattern on the sheet that are tried, and 
 MOST_TRIES = 8 * TRIES  # where none of the first ones suits
 
 
-@dataclass(frozen=True)
-class SheetTiles:
+@dataclass(frozen=True, repr=False)
+class SheetTiles(ShortRepr):
     """Tiles of a sheet [0, length] x [0, width].
 
     Attributes

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flexscale.fabricate.layout import FloatArray
+from flexscale.short_repr import ShortRepr
 from flexscale.synthesis.placement import Placement
 from flexscale.synthesis.prisms import ConvexParts, IntArray
 from flexscale.synthesis.separation import World, place_parts, separations
@@ -15,8 +16,8 @@ from flexscale.synthesis.separation import World, place_parts, separations
 TOUCHING = 1e-9  # mm: depths up to this are rounding
 
 
-@dataclass(frozen=True, eq=False)
-class Overlap:
+@dataclass(frozen=True, eq=False, repr=False)
+class Overlap(ShortRepr):
     """What overlaps.
 
     The depth of a pair of scales is the largest over their convex parts of the smallest translation

@@ -13,12 +13,13 @@ from flexscale.fabricate.solids import triangles_of
 from flexscale.macro.bent_sheet import BentSheet
 from flexscale.mechanics.hct import QUADRATURE_POINTS, QUADRATURE_WEIGHTS
 from flexscale.patterns import Pattern
+from flexscale.short_repr import ShortRepr
 
 _STRAIGHT = 1e-4  # mm: corners closer than this to a straight line are none; 3 steps of the grid
 
 
-@dataclass(frozen=True, eq=False)
-class LaidScale:
+@dataclass(frozen=True, eq=False, repr=False)
+class LaidScale(ShortRepr):
     """A scale, or a piece of one, on the sheet at rest.
 
     Attributes
@@ -69,8 +70,8 @@ def _corners(area: shapely.Polygon) -> FloatArray:
     return np.array(plain.exterior.coords)[:-1]
 
 
-@dataclass(frozen=True, eq=False)
-class Placement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Placement(ShortRepr):
     """Rigid motions x = R X + t of scales from the sheet at rest (z = 0) to where they are.
 
     Attributes

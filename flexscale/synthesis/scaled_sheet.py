@@ -17,6 +17,7 @@ from flexscale.fabricate.layout import FloatArray
 from flexscale.macro.bent_sheet import BentSheet
 from flexscale.mesh.vtu import write_vtu
 from flexscale.patterns import Pattern
+from flexscale.short_repr import ShortRepr
 from flexscale.status import SolveStatus
 from flexscale.synthesis.obj import write_obj
 from flexscale.synthesis.overlap import Overlap, measure_overlap
@@ -31,8 +32,8 @@ log = logging.getLogger(__name__)
 SUFFIXES = (".obj", ".vtu")
 
 
-@dataclass(frozen=True, eq=False)
-class ScaledSheet:
+@dataclass(frozen=True, eq=False, repr=False)
+class ScaledSheet(ShortRepr):
     """Rigid scales on a deformed macro sheet. Lengths in mm, areas at rest.
 
     Attributes

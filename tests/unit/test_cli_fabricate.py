@@ -66,7 +66,7 @@ def test_an_earlier_sheet_is_not_written_over_before_it_is_made(
         (("--shape", "disc", "--size", "0.3", "--hub", "0"), "mm"),
         (("--size", "9" * 3000), "size"),
         (("--size", "nanx30"), "length"),
-        (("--direction", "1e300", "--center", "0", "-1e7"), "center"),
+        (("--direction", "1e300", "--center", "0", "-1e300"), "center"),
         (("--pattern", "x" * 3000), "--pattern"),
         (("--shape", "disc", "--size", "1e-9", "--hub", "1e-10"), "radius"),
     ],

@@ -34,13 +34,12 @@ class Drawing:
     ----------
     tiles : tuple of (n_i, 2) corners, mm; the first one of the first tile is the origin.
     lattice : (2, 2) rows t1, t2, mm.
-    units : mm, one in the last decimal: of all numbers, then of the tiles' if they have fewer than
-        the lattice.
+    unit : mm, one in the last decimal of all numbers.
     """
 
     tiles: tuple[FloatArray, ...]
     lattice: FloatArray
-    units: tuple[float, ...]
+    unit: float
 
     @property
     def size(self) -> float:
@@ -91,9 +90,8 @@ def read_drawing(tiles: Sequence[ArrayLike], t1: ArrayLike, t2: ArrayLike) -> Dr
     lattice = np.round(lattice, finest) + 0.0
     moved = [np.round(polygon - start, decimals) for polygon in given]
     kept = tuple(_brought_near(polygon, lattice, decimals) + 0.0 for polygon in moved)
-    of_tiles = max(_decimals(polygon, finest) for polygon in kept)
-    used = sorted({of_tiles, max(of_tiles, _decimals(lattice, finest))}, reverse=True)
-    return Drawing(kept, lattice, tuple(10.0**-digits for digits in used))
+    digits = max(_decimals(array, finest) for array in (*kept, lattice))
+    return Drawing(kept, lattice, 10.0**-digits)
 
 
 def _brought_near(polygon: FloatArray, lattice: FloatArray, decimals: int) -> FloatArray:

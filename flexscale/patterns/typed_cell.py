@@ -7,7 +7,13 @@ from functools import cache
 
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import TiledCell, build_cell
-from flexscale.patterns.drawing import Drawing, corner_tolerance, own_digits, read_drawing
+from flexscale.patterns.drawing import (
+    COARSEST,
+    Drawing,
+    corner_tolerance,
+    own_digits,
+    read_drawing,
+)
 from flexscale.patterns.exact_symmetry import symmetry_near, symmetry_within
 
 log = logging.getLogger(__name__)
@@ -26,7 +32,7 @@ def typed_cell(drawing: Drawing) -> TiledCell:
     found = symmetry_within(cell, own_digits(unit, drawing.size))
     farther = symmetry_near(drawing)
     if farther is not None and farther.order > found.order:
-        _notice(
+        say_once(
             f"The pattern is nearly {farther.group}, off by {farther.off:.1g} mm, and is computed "
             f"as {found.group}: rounded? `symmetrize` makes it exact."
         )
@@ -45,21 +51,31 @@ def symmetrized_drawing(drawing: Drawing) -> Drawing:
 
 
 def _cell(drawing: Drawing) -> tuple[TiledCell, float]:
-    """The tiles with all corners, and the unit [mm] to which they were typed."""
-    *finer, coarsest = drawing.units
-    for unit in finer:
+    """The tiles with all corners, and the unit [mm] to which they were typed.
+
+    Where tiles cover the plane only to fewer digits than they have, those are their digits: a
+    published list may mix numbers of five decimals with roots, or be scaled.
+    """
+    unit = drawing.unit
+    while True:
+        tolerance = corner_tolerance(unit, drawing.size)
         try:
-            return _to_unit(drawing, unit), unit
-        except PatternError:  # the lattice may hold more digits than the tiles were typed with
-            continue
-    return _to_unit(drawing, coarsest), coarsest
-
-
-def _to_unit(drawing: Drawing, unit: float) -> TiledCell:
-    return build_cell(drawing.tiles, drawing.lattice, corner_tolerance(unit, drawing.size))
+            cell = build_cell(drawing.tiles, drawing.lattice, tolerance)
+        except PatternError:
+            if tolerance >= COARSEST * drawing.size:
+                raise
+            unit *= 10.0
+        else:
+            break
+    if unit > drawing.unit:
+        say_once(
+            f"The corners of neighboring tiles agree to {tolerance:.1g} mm only and are made one: "
+            "more digits that agree would be kept."
+        )
+    return cell, unit
 
 
 @cache
-def _notice(text: str) -> None:
+def say_once(text: str) -> None:
     """Say something about a pattern, once."""
     log.warning("%s", text)

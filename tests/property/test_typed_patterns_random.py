@@ -76,7 +76,7 @@ def test_no_offset_of_rows_is_refused(offset: float, sign: int, angle: float, di
     pattern = Pattern.from_polygons([tile], (10, 0), above)
     assert pattern.symmetry().rotation_order >= 2
     shift = abs(above - tile[3])[0]
-    unit = read_drawing([tile], (10, 0), above).units[0]
+    unit = read_drawing([tile], (10, 0), above).unit
     assert len(pattern.tiles[0]) == 6 or shift <= 3.001 * unit or shift < 1e-6
 
 

@@ -10,6 +10,7 @@ from flexscale.mesh import MeshOptions, build_mesh
 from flexscale.patterns import Pattern
 from flexscale.patterns.corners import torus_classes
 from flexscale.patterns.drawing import read_drawing
+from flexscale.patterns.typed_cell import say_once
 from tests.unit.mesh_checks import assert_sound
 from tests.unit.pattern_shapes import SQUARE, custom
 
@@ -121,18 +122,31 @@ def test_corners_near_acute_corners_are_put_into_one_edge(angle: float) -> None:
 
 
 def test_digits_given() -> None:
-    assert read_drawing([SQUARE], (10, 0), (0, 10)).units == (1.0,)
-    assert read_drawing([SQUARE], (10, 0), (0.25, 10)).units == (0.01, 1.0)
-    assert read_drawing([np.array(SQUARE) / 3], (10 / 3, 0), (0, 10 / 3)).units == (1e-8,)
+    assert read_drawing([SQUARE], (10, 0), (0, 10)).unit == 1.0
+    assert read_drawing([SQUARE], (10, 0), (0.25, 10)).unit == 0.01
+    assert read_drawing([np.array(SQUARE) / 3], (10 / 3, 0), (0, 10 / 3)).unit == 1e-8
 
 
-def test_what_is_coarser_than_its_digits_is_refused_for_that() -> None:
+def rows(apart: float) -> Pattern:
+    """Two rows of rectangles that leave a slit, mm."""
+    low, high = 3.33, 3.33 + apart
     tiles = [
-        [(0, 0), (10, 0), (10, 3.33), (0, 3.33)],
-        [(0, 3.331), (10, 3.331), (10, 10), (0, 10.0001)],
+        [(0, 0), (10, 0), (10, low), (0, low)],
+        [(0, high), (10, high), (10, 10), (0, 10)],
     ]
-    with pytest.raises(PatternError, match=r"corners must agree to 0.0003 mm"):
-        custom(tiles, (10, 0), (0, 10))
+    return custom(tiles, (10, 0), (0, 10))
+
+
+def test_corners_that_agree_to_fewer_digits_are_made_one(caplog: pytest.LogCaptureFixture) -> None:
+    say_once.cache_clear()
+    pattern = rows(0.000123)
+    assert "agree to 0.0003 mm only" in caplog.text
+    assert len(np.unique(np.concatenate(pattern.tiles)[:, 1])) == 3
+
+
+def test_what_cannot_be_kept_is_refused_for_that() -> None:
+    with pytest.raises(PatternError, match=r"corners must agree to 0.0007 mm"):
+        rows(0.001)
 
 
 @pytest.mark.slow

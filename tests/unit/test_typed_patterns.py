@@ -11,6 +11,7 @@ import flexscale as fs
 from flexscale.errors import PatternError
 from flexscale.patterns import Pattern
 from flexscale.patterns.cell import polygon_area
+from flexscale.patterns.typed_cell import say_once
 from tests.unit.pattern_shapes import BRICK, SQUARE, custom
 
 RADIUS = 10.0 / np.sqrt(1.5 * np.sqrt(3.0))  # of a hexagon of 100 mm²
@@ -48,8 +49,9 @@ def test_tiles_listed_cells_away_are_brought_near() -> None:
 
 
 def test_no_digits_left() -> None:
-    with pytest.raises(PatternError, match=r"hold 0\.\d+ mm, too coarse .* nearer to the origin"):
-        custom([np.array(SQUARE) + 1e12], (10, 0), (0, 10))
+    small = 0.01 * np.array(SQUARE)
+    with pytest.raises(PatternError, match=r"hold 5e-07 mm, too coarse .* nearer to the origin"):
+        custom([small + 9e8], (0.1, 0), (0, 0.1), gap=0.01)
 
 
 def test_area_far_from_the_origin() -> None:
@@ -92,6 +94,7 @@ def test_nearly_symmetric_is_told_and_made_so(caplog: pytest.LogCaptureFixture) 
     """Digits that promise more than the numbers hold."""
     drawn_out = np.array((1.0, 1.00005))
     tile, lattice = (HEXAGON * drawn_out).round(6), (HEXAGONAL * drawn_out).round(6)
+    say_once.cache_clear()
     with caplog.at_level(logging.WARNING):
         pattern = custom([tile], *lattice, gap=0.5)
     assert "nearly p6m, off by 0.000" in caplog.text
@@ -123,6 +126,31 @@ def test_supercells_typed_with_few_digits_are_exact() -> None:
 def test_lattice_with_more_digits_than_the_tiles() -> None:
     pattern = custom([HEXAGON.round(4)], *HEXAGONAL)
     assert pattern.symmetry().group == "p6m"
+
+
+ROOT = np.sqrt(57.0)
+# The pentagon of type 14 as it is published: heights to 5 or 6 decimals, widths exact.
+TYPE_14 = [
+    [((ROOT - 3) / 8, 3.51623), ((3 * ROOT - 9) / 8, 1.87118), (1, 0), (0, 0), (0, 2.6937)],
+    [((3 - ROOT) / 8, 3.51623), ((9 - 3 * ROOT) / 8, 1.87118), (-1, 0), (0, 0), (0, 2.6937)],
+    [((1 + ROOT) / 4, -1.64505), (1, 0), ((3 * ROOT - 9) / 8, 1.87118),
+     ((3 * ROOT - 1) / 8, 1.87118), ((3 * ROOT - 1) / 8, -0.822525)],
+    [((ROOT - 1) / 2, -1.64505), ((3 * ROOT - 5) / 4, 0), ((7 + 3 * ROOT) / 8, 1.87118),
+     ((3 * ROOT - 1) / 8, 1.87118), ((3 * ROOT - 1) / 8, -0.822525)],
+    [((7 + 3 * ROOT) / 8, 1.87118), ((3 * ROOT - 9) / 8, 1.87118), ((ROOT - 3) / 8, 3.51623),
+     ((ROOT - 3) / 4, 4.33875), ((31 + 3 * ROOT) / 16, 2.80676)],
+    [(-1, 0), (1, 0), ((1 + ROOT) / 4, -1.64505), ((5 + ROOT) / 8, -2.46757),
+     (3 * (ROOT - 11) / 16, -0.935588)],
+]  # fmt: skip
+TYPE_14_LATTICE = np.array([((1 - ROOT) / 2, 4.33875), ((21 + ROOT) / 16, 5.27434)])
+
+
+@pytest.mark.parametrize(("size", "digits"), [(1.0, 4), (1.0, 5), (1.0, 15), (5.0, 4)])
+def test_published_pentagons(size: float, digits: int) -> None:
+    tiles = [np.round(size * np.array(tile), digits) for tile in TYPE_14]
+    pattern = custom(tiles, *np.round(size * TYPE_14_LATTICE, digits), gap=0.1)
+    assert pattern.symmetry().group == "p2"
+    assert pattern.symmetry().n_primitive_cells == 1
 
 
 def test_tangent_of_typed_hexagons_is_isotropic() -> None:

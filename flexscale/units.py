@@ -25,8 +25,8 @@ FloatArray = NDArray[np.float64]
 LENGTHS = (1e-3, 1e4)
 #: mm2, bounds of tiles: those of squares with sides within the bounds of lengths, to 1 m2 and more.
 AREAS = (1e-4, 1e7)
-#: MPa, bounds of Young's moduli: from the softest gels to ten times diamond.
-MODULI = (1e-3, 1e7)
+#: MPa, bounds of Young's moduli: from the softest gels to what stands for a rigid body.
+MODULI = (1e-3, 1e9)
 #: Bounds of Poisson's ratio: nearer to -1 or 1/2 the solid loses its stiffness against shear or
 #: resists changes of volume without bound, and equilibria lose their digits.
 RATIOS = (-0.95, 0.4999)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -42,7 +41,7 @@ def pattern_digest(pattern: Pattern) -> str:
 def sheet_name(pattern: Pattern, shape: Shape, layout: Layout) -> str:
     """Name of the files of a sheet, for instance "hexagon-rectangle-100x50-30deg"."""
     turned = f"-{layout.direction:g}deg" if layout.direction else ""
-    return re.sub(r"[^\w.+-]+", "-", f"{pattern.name}-{shape.name}{turned}")
+    return f"{pattern.name}-{shape.name}{turned}"
 
 
 def require_room(folder: Path, name: str, replace: bool) -> None:

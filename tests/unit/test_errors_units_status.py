@@ -88,7 +88,7 @@ def test_one_number_is_a_series_of_one(value: object) -> None:
     "value",
     [[], "0.4", ["0.4"], [[0.4]], [0.4, None], {0.4}, {"a": 0.4}, np.zeros((2, 2)), iter([0.4]),
      range(10**12), np.ma.array([0.4, 0.5], mask=[0, 1]), [math.nan], [True]],
-    ids=str,
+    ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_is_no_series_is_refused(value: object) -> None:
     with pytest.raises(errors.UnitRangeError, match=r"^gaps "):

@@ -151,10 +151,10 @@ def test_a_missing_folder_is_refused(sheet: PrintableSheet, tmp_path: Path) -> N
         write_sheet(sheet, tmp_path / "nowhere")
 
 
-def test_names_of_files_are_plain() -> None:
-    pattern = fs.named_pattern("square").with_(name="my/odd name")
-    turned = printable_sheet(pattern, Disc(20.0), layout=Layout(direction=12.5))
-    assert sheet_name(turned.pattern, turned.shape, turned.layout) == "my-odd-name-disc-20-12.5deg"
+def test_files_are_named_after_pattern_shape_and_direction() -> None:
+    pattern = fs.named_pattern("square").with_(name="4.8.8")
+    turned = Layout(direction=12.5)
+    assert sheet_name(pattern, Disc(20.0), turned) == "4.8.8-disc-20-12.5deg"
 
 
 @pytest.mark.parametrize("name", [entry.name for entry in fs.named_patterns()])

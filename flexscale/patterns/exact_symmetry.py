@@ -26,6 +26,7 @@ from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from flexscale.tilings.wallpaper import DrawnSymmetry, SymmetryOperation
 
 EXACT = 1e-12  # of a tile's size: what is symmetric to this stays as it is, to the last bit
+AS_IT_IS = 1e-8  # of a tile's size: symmetric without more ado
 NEAR = 1e-3  # of a tile's size: a tiling this near to a more symmetric one is told
 Matrix = tuple[tuple[int, int], tuple[int, int]]
 
@@ -275,7 +276,7 @@ def _placed(
 
 def symmetry_within(cell: TiledCell, limit: float) -> Symmetrized:
     """The most symmetric tiling of which no corner lies farther than a limit [mm], most by half."""
-    for tolerance in (NEAR * cell.size, 4.0 * limit, limit):
+    for tolerance in (NEAR * cell.size, 4.0 * limit, limit, AS_IT_IS * cell.size):
         found = symmetrized(cell, tolerance, limit)
         if found is not None and found.is_within(limit):
             return found

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexscale.datasets.build import build_fit_dataset
+from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.fit_values import PARAMETERS, FloatArray
 from flexscale.datasets.given import read_config, require_variables
 from flexscale.datasets.schema import schema_of
@@ -88,6 +89,7 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
         if dataset[name].values.tolist() != list(wanted):
             raise SchemaError(f"The {name} of a macro model is {', '.join(wanted)}, in this order.")
     sides = SOME_SIDES(dataset["side"].values, "side")
+    check_dataset(dataset, "fit")
     values = {name: dataset[name].values for name in dataset.variables}
     directional = values["directional_value"]
     a = directional[:, 0]

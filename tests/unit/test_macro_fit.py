@@ -234,8 +234,17 @@ def test_other_refusals(model: fs.MacroModel) -> None:
         model.parameters(0.0, "shut")
     with pytest.raises(UnitRangeError, match="not negative"):
         model.moment(-0.01, 0.0)
-    with pytest.raises(SchemaError, match="A macro model needs weighting"):
+    with pytest.raises(SchemaError, match="A macro model needs parameter"):
         fs.MacroModel.from_dataset(law_sweep())
+    dataset = model.to_dataset()
+    for changed in (
+        dataset.isel(assessment=slice(0, 3)),
+        dataset.isel(side=[0, 0]),
+        dataset.isel(direction=slice(0, 0)),
+        dataset.transpose(*reversed(list(dataset.dims))),
+    ):
+        with pytest.raises((BadInputError, SchemaError)):
+            fs.MacroModel.from_dataset(changed)
 
 
 def test_dataset_holds_all_of_the_model(model: fs.MacroModel) -> None:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 from flexscale.datasets.identity import Recipe
-from flexscale.homogenize.symmetry import find_sources
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
@@ -98,6 +97,8 @@ class SweepParameters(NativeParameters):
     @property
     def n_samples(self) -> int:
         """Those of directions that symmetry does not fill."""
+        from flexscale.homogenize.symmetry import find_sources
+
         sources = find_sources(self.build_pattern(), self.directions, self.symmetry)
         solved = {source.direction for source in sources}
         return len(self.sides) * len(solved) * len(self.curvatures)

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from flexscale.macro import fit
+from flexscale.macro.fit import fit
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import FitParameters
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from flexscale.homogenize import SolverOptions
 from flexscale.homogenize.native_stage_dataset import simulate_native_stage
 from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.solve.newton import SolverOptions
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import NativeRigParameters
 

@@ -11,7 +11,8 @@ import xarray as xr
 from flexscale.datasets.build import build_sweep_dataset
 from flexscale.datasets.fit_values import two_regime_energy, two_regime_moment
 from flexscale.homogenize.tangent import TangentStiffness
-from flexscale.macro import MacroModel, fit
+from flexscale.macro.fit import fit
+from flexscale.macro.model import MacroModel
 from flexscale.macro.uniaxial import Weighting
 
 Function = Callable[[np.ndarray], np.ndarray]

@@ -10,7 +10,7 @@ from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.identity import content_digest
 from flexscale.datasets.staging import FileCheckpoint
 from flexscale.errors import ConfigError, UnitRangeError, UnknownNameError
-from flexscale.homogenize import solve_shapes
+from flexscale.homogenize.shape import solve_shapes
 from flexscale.status import SolveStatus
 
 PATTERN = fs.Pattern(fs.Tiling("IH76"))

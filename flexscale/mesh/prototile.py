@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -109,7 +111,12 @@ def _gmsh_model() -> Iterator[Any]:
     gmsh = load_gmsh()
     own = not gmsh.isInitialized()
     if own:
+        before = signal.getsignal(signal.SIGPIPE)
         gmsh.initialize(readConfigFiles=False, interruptible=False)
+        # gmsh has a write to a closed pipe end the process, which is an error to be caught here:
+        # the worker at the other end was killed.
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGPIPE, before)
     try:
         for option, value in _GMSH_OPTIONS.items():
             gmsh.option.setNumber(option, value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -138,3 +139,22 @@ def test_threads_do_not_outlive_a_sweep() -> None:
 )
 def test_ends_of_processes_have_words(code: int, words: str) -> None:
     assert words in describe_end(code)
+
+
+def test_a_mesh_leaves_broken_pipes_to_be_caught() -> None:
+    """gmsh would have a write to a worker that was killed end this process, by SIGPIPE."""
+    code = (
+        "import os\n"
+        "from flexscale.mesh.prototile import _gmsh_model\n"
+        "with _gmsh_model():\n"
+        "    pass\n"
+        "reading, writing = os.pipe()\n"
+        "os.close(reading)\n"
+        "try:\n"
+        "    os.write(writing, b'x')\n"
+        "except BrokenPipeError:\n"
+        "    print('caught')\n"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("caught\n", 0)

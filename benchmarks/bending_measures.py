@@ -26,7 +26,7 @@ from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.shell import HctShell
 from flexscale.mechanics.substrate_options import BENDING_MEASURES
 from flexscale.mesh.torus import build_mesh
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 CURVATURES = (0.001, 0.003, 0.006, 0.01, 0.0125, 0.015, 0.02, 0.025, 0.03)
 SHOWN = (0.01, 0.02, 0.03)

@@ -23,7 +23,8 @@ import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.solve.newton import Solution, solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 CURVATURES = (0.002, 0.006, 0.009, 0.012, 0.015, 0.02, 0.025)

@@ -19,7 +19,7 @@ import flexscale as fs
 from flexscale.homogenize.cell_model import plate_stiffness
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 CURVATURES = (0.006, 0.009, 0.011, 0.013, 0.016, 0.02)
 D = plate_stiffness(fs.TPU, 0.4)

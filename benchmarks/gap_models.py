@@ -42,7 +42,7 @@ from flexscale.plotting.style import (
     flexscale_style,
     new_figure,
 )
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)
 SMALL = 0.001  # mm-1

@@ -27,7 +27,7 @@ from flexscale.datasets.registry import Registry
 from flexscale.homogenize.free_strip import FreeStrip
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_sheet import NativeSheet
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 SIDE = "closing"
 

@@ -29,7 +29,7 @@ import scipy.optimize
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 PATTERNS = ("square", "hexagon", "chevron", "arrowhead")
 CURVATURES = (0.002, 0.006, 0.009, 0.012, 0.015, 0.02, 0.025)

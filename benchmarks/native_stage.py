@@ -33,7 +33,7 @@ from flexscale.homogenize.stage_line import follow_shortenings
 from flexscale.macro.stage import StageRig
 from flexscale.patterns.clipped import clip_pattern
 from flexscale.plotting.rigs import compared_stages
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 REPEATS = 3
 SQUARES = {"opening": (0.1,), "closing": (0.05, 0.2)}  # shortenings, mm

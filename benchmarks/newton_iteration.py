@@ -20,7 +20,8 @@ from report import output_file, report
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 CURVATURE, TOUCHING, DEGREES = 0.005, 0.015, 20.0

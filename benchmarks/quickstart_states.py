@@ -18,7 +18,7 @@ from report import output_file, report
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.physics.intersections import surfaces_intersect

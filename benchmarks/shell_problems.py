@@ -17,7 +17,7 @@ from flexscale.macro.surfaces import polar_plane, sphere
 from flexscale.mechanics.linear_law import isotropic_sheet, linear_sheet, orthotropic_matrix
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import annulus, crossed_rectangle, staggered_rectangle
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 CLOSE = 1e-9
 OPTIONS = SolverOptions(max_iterations=400)

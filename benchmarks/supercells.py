@@ -24,7 +24,7 @@ from report import report
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 SIDES = (1, 2, 4, 8)  # cells along each lattice vector
 CURVATURES = (0.004, 0.008, 0.0125)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from flexscale.patterns.material import PETG, TPU, NeoHookean
     from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
-    from flexscale.solve.newton import SolverOptions
+    from flexscale.solve.solver_options import SolverOptions
     from flexscale.synthesis.scaled_sheet import ScaledSheet, synthesize_scales
     from flexscale.tilings import Tiling, families
 
@@ -91,7 +91,7 @@ _HOMES = {
     "SheetOptions": "flexscale.macro.bent_sheet",
     "ScaledSheet": "flexscale.synthesis.scaled_sheet",
     "ScaleOptions": "flexscale.mechanics.scale_options",
-    "SolverOptions": "flexscale.solve.newton",
+    "SolverOptions": "flexscale.solve.solver_options",
     "SubstrateOptions": "flexscale.mechanics.substrate_options",
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",

@@ -259,7 +259,7 @@ def options(home: str) -> Check:
 
 
 MESH = options("flexscale.mesh.options:MeshOptions")
-SOLVER = options("flexscale.solve.newton:SolverOptions")
+SOLVER = options("flexscale.solve.solver_options:SolverOptions")
 CONTACT = options("flexscale.mechanics.contact_options:ContactOptions")
 SUBSTRATE = options("flexscale.mechanics.substrate_options:SubstrateOptions")
 SCALES = options("flexscale.mechanics.scale_options:ScaleOptions")

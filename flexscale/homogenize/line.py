@@ -19,7 +19,8 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium, solve_within
+from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}

@@ -24,7 +24,7 @@ from flexscale.processes import (
     describe_end,
     python_command,
 )
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 Sample = dict[str, Any]
 _WORKER = "flexscale.homogenize.line_worker"

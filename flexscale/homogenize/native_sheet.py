@@ -31,7 +31,7 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 
 class NativeSheet(FiniteSheet):

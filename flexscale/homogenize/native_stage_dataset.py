@@ -26,7 +26,7 @@ from flexscale.mesh.estimate import require_moderate_sheet
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ import numpy as np
 from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium, solve_within
+from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 _SMALLEST_STEP = 1.0 / 64.0  # of the way between two samples

@@ -30,7 +30,7 @@ from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 if TYPE_CHECKING:

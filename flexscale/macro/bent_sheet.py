@@ -27,7 +27,8 @@ from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 from flexscale.mesh.sheet import SheetMesh, rectangle
 from flexscale.short_repr import ShortRepr
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from flexscale.units import LENGTHS, require_finite, require_positive, require_range
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from flexscale.macro.sheet_problem import SheetProblem, SheetState
 from flexscale.mechanics.energy import FloatArray
-from flexscale.solve.newton import Solution, SolverOptions, solve_equilibrium
+from flexscale.solve.newton import Solution, solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 log = logging.getLogger(__name__)

@@ -28,7 +28,7 @@ from flexscale.mechanics.load_series import finite_series
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh
 from flexscale.short_repr import ShortRepr
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 #: degree, where the disc is pushed if nothing else is said.

@@ -6,7 +6,7 @@ from flexscale import checks
 from flexscale.checks import checked, length, number
 from flexscale.macro.bent_sheet import BentSheet, SheetOptions, bend_sheet
 from flexscale.macro.sheet_model import SheetModel
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 
 @checked(

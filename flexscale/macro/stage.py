@@ -28,7 +28,8 @@ from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh, rectangle
 from flexscale.short_repr import ShortRepr
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from flexscale.units import require_finite, require_positive
 

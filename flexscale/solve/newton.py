@@ -10,77 +10,21 @@ eigenvalues is a saddle: it is left along the mode whose eigenvalue is nearest t
 
 from __future__ import annotations
 
-import time
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
-from flexscale.checks import checked, choice, number, whole
 from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, FloatArray
-from flexscale.solve.linear import LINEAR_SOLVERS
 from flexscale.solve.negative_modes import System, negative_modes
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
-CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
 _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned aside not shortened
 NEAR = 1e-3  # Newton decrement, relative to the energy, from which on to go on is best
 NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
-TIME_LIMIT = 1800.0  # s, processor time; samples of cells take seconds, of large sheets minutes
-NOT_IN_EXPERIMENTS = {"experiment": False}  # of a field: the machine's and the solver's own
 OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
-
-
-@checked(
-    constraint=choice("constraint method", CONSTRAINT_METHODS),
-    tolerance=number("1", 1e-15, 1.0, above=0.0, name="solver tolerance"),
-    max_iterations=whole(1, 100_000, "solver option max_iterations"),
-    penalty=number("N/mm", 1e-6, 1e9, above=0.0, name="solver option penalty"),
-    linear_solver=choice("linear solver", LINEAR_SOLVERS),
-    time_limit=number("s", 1e-3, 1e9, above=0.0, name="solver option time_limit"),
-)
-@dataclass(frozen=True)
-class SolverOptions:
-    """How an equilibrium is sought.
-
-    Attributes
-    ----------
-    constraint : "bordered" (one loop) or "augmented_lagrangian" with Sherman-Morrison, as in the
-        paper.
-    tolerance : Newton decrement at which a state is accepted, relative to its energy.
-    max_iterations : factorizations per equilibrium.
-    penalty : N/mm, rho of the augmented Lagrangian.
-    linear_solver : "auto", "pardiso" or "superlu".
-    time_limit : s, processor time that one sample may take until it is given up.
-    deadline : s, of the clock of processor time, at which the present sample is given up.
-    """
-
-    constraint: str = "bordered"
-    tolerance: float = 1e-9
-    max_iterations: int = 60
-    penalty: float = 10.0
-    linear_solver: str = field(default="auto", metadata=NOT_IN_EXPERIMENTS)
-    time_limit: float = TIME_LIMIT
-    deadline: float = field(default=np.inf, repr=False, compare=False, metadata=NOT_IN_EXPERIMENTS)
-
-    def to_config(self) -> dict[str, Any]:
-        """Plain numbers and text, what results depend on: the usual time limit is left out, since
-        a sample that it ends says so, and the linear solver."""
-        config = asdict(self)
-        del config["linear_solver"], config["deadline"]
-        if self.time_limit == TIME_LIMIT:
-            del config["time_limit"]
-        return config
-
-    def for_a_sample(self) -> SolverOptions:
-        """The same, with the time of a sample running from now."""
-        return replace(self, deadline=time.process_time() + self.time_limit)
-
-    @property
-    def out_of_time(self) -> bool:
-        """Whether the time of the present sample is over."""
-        return time.process_time() > self.deadline
 
 
 class Evaluation(Protocol):

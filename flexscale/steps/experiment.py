@@ -29,7 +29,7 @@ from flexscale.mesh.estimate import require_moderate_mesh, require_moderate_shee
 from flexscale.mesh.options import MeshOptions
 from flexscale.names import require_name
 from flexscale.patterns.pattern import Pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.blocks import (
     BendingDirections,
     Block,

@@ -15,7 +15,7 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.quantities import UNITS, Quantity
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexscale.homogenize.sweep import sweep
 from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import SweepParameters
 

@@ -13,7 +13,8 @@ from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.scale_options import SCALE_MODELS
 from flexscale.mesh.bare import build_bare_mesh
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import D, hexagon, hexagon_problem, square, square_problem

@@ -10,7 +10,8 @@ import pytest
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from tests.physics.cells import square
 
 CURVATURES = (0.004, 0.008, 0.013, 0.015)

@@ -20,7 +20,7 @@ from flexscale.homogenize.line import Line, follow_line
 from flexscale.mechanics.layered_law import layered_energy
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import Pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import RIGID, hexagon, square
 from tests.physics.intersections import surfaces_intersect

@@ -16,7 +16,8 @@ from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.mesh.periodic_mesh import GAP_EDGE
 from flexscale.mesh.topology import build_edges
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, multiply_upper, relative_error
 from tests.physics.cells import RIGID, D, hexagon, square

@@ -17,7 +17,7 @@ from flexscale.homogenize.flat_contact import solve_flat_contact
 from flexscale.homogenize.free_strip import FreeStrip
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.patterns.strip import clip_strip
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)
 COARSEST = fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2)

@@ -14,7 +14,7 @@ from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_sheet import NativeSheet, bend_native_sheet
 from flexscale.mesh.finite import build_finite_mesh
 from flexscale.patterns.clipped import SLIVER, clip_pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)
 

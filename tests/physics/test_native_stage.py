@@ -19,7 +19,7 @@ from flexscale.mesh.finite import build_finite_mesh, strips
 from flexscale.patterns.cell import TiledCell
 from flexscale.patterns.clipped import SheetTiles, clip_pattern
 from flexscale.patterns.prototiles import find_prototiles
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)
 LENGTH, WIDTH, GAP, STRIP = 60.0, 10.0, 0.4, 5.0

@@ -15,7 +15,7 @@ from flexscale.homogenize.tangent import TangentStiffness
 from flexscale.macro.mandrel import MandrelRig, MandrelTest
 from flexscale.macro.stage import StageRig, StageTest
 from flexscale.mechanics.linear_law import isotropic_sheet
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.unit.fit_samples import kappa_0_of, law_sweep, tangent
 

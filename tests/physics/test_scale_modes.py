@@ -14,7 +14,7 @@ from flexscale.errors import ConfigError
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from tests.derivatives import directional_difference, relative_error
 from tests.physics.cells import hexagon, square
 

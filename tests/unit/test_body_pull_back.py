@@ -10,7 +10,7 @@ from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.patterns import Pattern
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from tests.derivatives import directional_difference, multiply_upper, relative_error
 
 COARSE = fs.MeshOptions(along=1.5, corner=0.4, scale_size=4.0, scale_layers=1)

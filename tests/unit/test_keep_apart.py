@@ -9,7 +9,8 @@ import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.keep_apart import complementary_forces, keep_apart
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import SolverOptions, solve_equilibrium
+from flexscale.solve.newton import solve_equilibrium
+from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions(along=1.5, corner=0.4, scale_size=4.0, scale_layers=1)
 LINE = Line("closing", 0.0, (0.015,))

@@ -19,7 +19,7 @@ from flexscale.macro.sheet_rows import POSITION
 from flexscale.macro.surfaces import cylinder, polar_plane, sphere
 from flexscale.mechanics.linear_law import isotropic_sheet, linear_sheet, orthotropic_matrix
 from flexscale.mesh.sheet import SheetMesh, disc, rectangle, staggered_rectangle
-from flexscale.solve.newton import SolverOptions
+from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, relative_error
 

@@ -1,0 +1,39 @@
+"""Small experiments, and what is said about bad ones."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from flexscale.errors import BadInputError
+from flexscale.steps.experiment import parse_experiment
+from flexscale.steps.plan import build_plan
+
+SMALL: dict[str, Any] = {
+    "patterns": {"tiles": {"family": "IH76"}},
+    "sweep": {"directions": [0, 45], "curvatures": [0, 0.001]},
+}
+FITTED: dict[str, Any] = SMALL | {
+    "sweep": {
+        "directions": {"start": 0, "stop": 180, "step": 15},
+        "curvatures": [0, 0.005, 0.01, 0.015, 0.02],
+    },
+    "fit": {},
+}
+
+
+def changed(**changes: Any) -> dict[str, Any]:
+    """SMALL with the pattern's keys changed."""
+    content = copy.deepcopy(SMALL)
+    content["patterns"]["tiles"].update(changes)
+    return content
+
+
+def message_of(content: Any) -> str:
+    """What the user reads about a bad experiment; it must be ready for exit code 2."""
+    with pytest.raises(BadInputError) as caught:
+        build_plan(parse_experiment(content, "file.yaml"))
+    assert caught.value.exit_code == 2
+    return str(caught.value)

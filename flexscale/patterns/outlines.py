@@ -26,30 +26,34 @@ ROUNDING = 1e-9  # of the inset: corners closer than this are one
 SHORTEST = 0.05  # of the inset: edges that it leaves shorter are lost
 
 
-def scale_outline(tiles: Sequence[FloatArray], number: int, gap: float) -> FloatArray:
-    """Outline (m, 2) of the scale on a tile, counterclockwise, without corners on straight lines.
+def scale_outlines(
+    polygons: Sequence[FloatArray], numbers: Sequence[int], gap: float
+) -> list[FloatArray]:
+    """Outlines (m, 2) of the scales on tiles, counterclockwise, no corners on straight lines.
 
     Parameters
     ----------
-    tiles : corners (n_i, 2) of all tiles of the pattern, mm.
-    number : of the tile.
+    polygons : corners (n_i, 2) of one tile of each shape that the pattern has, mm.
+    numbers : of these tiles.
     gap : mm, whole distance between neighboring scales.
 
     Raises
     ------
-    PatternError : the scale vanishes or falls apart.
+    PatternError : a scale vanishes or falls apart.
     """
-    polygon = tiles[number]
-    corners = inset_corners(polygon, 0.5 * gap)
-    if corners is None:
-        n_pieces = shapely.get_num_geometries(_inset(polygon, 0.5 * gap))
-        what = "vanishes" if n_pieces < 2 else f"falls apart into {n_pieces} pieces"
-        raise PatternError(
-            f"A gap of {gap:g} mm is too wide for tile {number} "
-            f"({polygon_area(polygon):.4g} mm²): its scale {what}. "
-            f"Use a gap of {_widest_gap(tiles, gap):g} mm at most."
-        )
-    return corners
+    outlines = []
+    for polygon, number in zip(polygons, numbers, strict=True):
+        corners = inset_corners(polygon, 0.5 * gap)
+        if corners is None:
+            n_pieces = shapely.get_num_geometries(_inset(polygon, 0.5 * gap))
+            what = "vanishes" if n_pieces < 2 else f"falls apart into {n_pieces} pieces"
+            raise PatternError(
+                f"A gap of {gap:g} mm is too wide for tile {number} "
+                f"({polygon_area(polygon):.4g} mm²): its scale {what}. "
+                f"Use a gap of {_widest_gap(polygons, gap):g} mm at most."
+            )
+        outlines.append(corners)
+    return outlines
 
 
 def inset_corners(polygon: FloatArray, inset: float) -> FloatArray | None:
@@ -58,9 +62,7 @@ def inset_corners(polygon: FloatArray, inset: float) -> FloatArray | None:
     Runs of edges that are no longer than `SHORTEST` times the inset are one corner; there are none
     on straight lines.
     """
-    corners = mitre_points(polygon, inset)
-    if corners is None:
-        corners = _corners_left(polygon, inset)
+    corners, _ = _all_corners(polygon, inset)
     if corners is None:
         return None
     left = _without_straight_corners(merge_runs(corners, SHORTEST * inset)[0])
@@ -81,12 +83,9 @@ def inset_edges(polygon: FloatArray, inset: float) -> FloatArray | None:
     (n, 2, 2) start and end of each image, mm; of a lost edge, both are the corner between the
     images around it.
     """
-    corners = mitre_points(polygon, inset)
-    mitred = corners is not None
+    corners, mitred = _all_corners(polygon, inset)
     if corners is None:
-        corners = _corners_left(polygon, inset)
-        if corners is None:
-            return None
+        return None
     merged, run = merge_runs(corners, SHORTEST * inset)
     if len(merged) < 3:
         return None
@@ -111,20 +110,36 @@ def mitre_points(polygon: FloatArray, inset: float) -> FloatArray | None:
     polygon : (n, 2) counterclockwise corners, mm.
     inset : distance between an edge and its inset image, mm.
     """
+    corners, mitred = _all_corners(polygon, inset)
+    return corners if mitred else None
+
+
+def _all_corners(polygon: FloatArray, inset: float) -> tuple[FloatArray | None, bool]:
+    """Corners (m, 2) of an inset in one piece, or None; whether they are the polygon's mitres."""
+    points = _mitre_tips(polygon, inset)
+    if points is not None and (turning_angles(polygon) >= 0.0).all():
+        return points, True  # of a convex tile the inset is what all half-planes share
+    clipped = _inset(polygon, inset)
+    if points is not None:
+        shape = shapely.Polygon(points)
+        if symmetric_difference(shape, clipped).area < 1e-9 * shape.area:
+            return points, True
+    return _corners_left(clipped, inset), False
+
+
+def _mitre_tips(polygon: FloatArray, inset: float) -> FloatArray | None:
+    """Points (n, 2) where inset edges meet, if they are an outline with edges as the polygon's."""
     turns, tangents, normals = _frames(polygon)
     bisectors = normals + np.roll(normals, 1, axis=0)
     squared = np.sum(bisectors**2, axis=1)
     # The distance to a mitre's tip is the inset times 2 / |bisector|.
     if (squared < 1e-12).any() or (squared[turns < 0.0] < (2.0 / MITRE_LIMIT) ** 2).any():
         return None
-    points = polygon + inset * 2.0 * bisectors / squared[:, None]
-    shape = shapely.Polygon(points)
+    points: FloatArray = polygon + inset * 2.0 * bisectors / squared[:, None]
     lengths = np.sum((np.roll(points, -1, axis=0) - points) * tangents, axis=1)
-    if (lengths <= SHORTEST * inset).any() or not shape.is_valid:
+    if (lengths <= SHORTEST * inset).any() or not shapely.Polygon(points).is_valid:
         return None
-    clipped = _inset(polygon, inset)
-    same = symmetric_difference(shape, clipped).area < 1e-9 * shape.area
-    return points if same else None
+    return points
 
 
 def merge_runs(corners: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
@@ -190,31 +205,37 @@ def _frames(polygon: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     return turning_angles(polygon), tangents, np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
 
 
-def _widest_gap(tiles: Sequence[FloatArray], too_wide: float) -> float:
+def _widest_gap(polygons: Sequence[FloatArray], too_wide: float) -> float:
     """Gap, mm, that leaves every tile a scale in one piece; three digits, rounded down."""
     widest = too_wide
-    for tile in tiles:
-        if inset_corners(tile, 0.5 * widest) is not None:
+    for polygon in polygons:
+        if inset_corners(polygon, 0.5 * widest) is not None:
             continue
         low, high = 0.0, widest
         for _ in range(20):
             middle = 0.5 * (low + high)
-            whole = inset_corners(tile, 0.5 * middle) is not None
+            whole = inset_corners(polygon, 0.5 * middle) is not None
             low, high = (middle, high) if whole else (low, middle)
+            if low > 0.0 and _three_digits(low) == _three_digits(high):
+                break
         widest = low
     if widest == 0.0:
         return 0.0
-    step = Decimal(1).scaleb(Decimal(widest).adjusted() - 2)
-    named = Decimal(widest).quantize(step, ROUND_FLOOR)
+    named = _three_digits(widest)
+    step = Decimal(1).scaleb(named.adjusted() - 2)
     # Scales may be whole at some gap, and not at a narrower one: what is named is tried.
-    while named > 0 and any(inset_corners(tile, 0.5 * float(named)) is None for tile in tiles):
+    while named > 0 and any(inset_corners(tile, 0.5 * float(named)) is None for tile in polygons):
         named -= step
     return float(named)
 
 
-def _corners_left(polygon: FloatArray, inset: float) -> FloatArray | None:
+def _three_digits(length: float) -> Decimal:
+    """A length, mm, rounded down to three digits."""
+    return Decimal(length).quantize(Decimal(1).scaleb(Decimal(length).adjusted() - 2), ROUND_FLOOR)
+
+
+def _corners_left(shape: shapely.Geometry, inset: float) -> FloatArray | None:
     """Corners (m, 2) of what is left, counterclockwise, or None if it is not in one piece."""
-    shape = _inset(polygon, inset)
     if shape.is_empty or shape.geom_type != "Polygon":
         return None
     corners = np.array(shapely.orient_polygons(shape).exterior.coords)[:-1]

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from flexscale.patterns.cell import TiledCell
-from flexscale.patterns.outlines import scale_outline
-from flexscale.patterns.symmetry import BoolArray, FloatArray, Isometry, polygon_isometries
+from flexscale.patterns.outlines import scale_outlines
+from flexscale.patterns.symmetry import (
+    BoolArray,
+    FloatArray,
+    Isometry,
+    congruence_measures,
+    polygon_isometries,
+)
 
 # Copies and images must meet to rounding: tiles that are congruent only to the digits somebody
 # typed are different shapes, and a polygon symmetric only to those digits has no symmetry.
@@ -55,18 +63,36 @@ def find_prototiles(
     ------
     PatternError : the gap leaves a tile no scale in one piece.
     """
+    firsts, copies = _sorted_by_congruence(cell)
+    outlines = scale_outlines([cell.tiles[number] for number in firsts], firsts, gap)
     tolerance = CONGRUENT * cell.size
-    prototiles: list[Prototile] = []
+    prototiles = []
+    for number, outline in zip(firsts, outlines, strict=True):
+        tile, sharp = cell.tiles[number], cell.sharp[number]
+        stabiliser = tuple(polygon_isometries(tile, sharp, tile, sharp, tolerance))
+        prototiles.append(Prototile(tile, sharp, stabiliser, outline))
+    return tuple(prototiles), tuple(copies)
+
+
+def _sorted_by_congruence(cell: TiledCell) -> tuple[list[int], list[TileCopy]]:
+    """Numbers of the first tile of each shape, and for every tile which shape it is, and where."""
+    tolerance = CONGRUENT * cell.size
+    measures = congruence_measures(cell.tiles)
+    known = np.empty_like(measures)
+    firsts: list[int] = []
     copies: list[TileCopy] = []
     for number, (polygon, sharp) in enumerate(zip(cell.tiles, cell.sharp, strict=True)):
-        for index, known in enumerate(prototiles):
-            found = polygon_isometries(known.polygon, known.sharp, polygon, sharp, tolerance)
-            if found:
-                copies.append(TileCopy(index, found[0]))
+        # Of tiles of many shapes few are so much as alike.
+        apart = np.abs(known[: len(firsts)] - measures[number]).max(axis=1, initial=0.0)
+        for index in np.flatnonzero(apart <= 4.0 * tolerance).tolist():
+            tile, marks = cell.tiles[firsts[index]], cell.sharp[firsts[index]]
+            placement = next(polygon_isometries(tile, marks, polygon, sharp, tolerance), None)
+            if placement is not None:
+                copies.append(TileCopy(index, placement))
                 break
         else:
-            stabiliser = polygon_isometries(polygon, sharp, polygon, sharp, tolerance)
-            outline = scale_outline(cell.tiles, number, gap)
-            copies.append(TileCopy(len(prototiles), stabiliser[0]))
-            prototiles.append(Prototile(polygon, sharp, tuple(stabiliser), outline))
-    return tuple(prototiles), tuple(copies)
+            itself = next(polygon_isometries(polygon, sharp, polygon, sharp, tolerance))
+            known[len(firsts)] = measures[number]
+            copies.append(TileCopy(len(firsts), itself))
+            firsts.append(number)
+    return firsts, copies

@@ -13,9 +13,12 @@ from functools import cached_property
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from flexscale.tilings.bravais import FloatArray
+
+IntArray = NDArray[np.int64]
 
 NEAR_CENTROID = 10.0  # tolerances: noise of centroids adds up along a cell
 SAME_SHAPE = 1e-3  # tolerances: outlines this near are compared with others once for all
@@ -56,8 +59,19 @@ class PlacedTiles:
 
     def are_kept(self, linear: FloatArray, translation: FloatArray) -> bool:
         """Whether x -> linear @ x + translation carries every tile onto a tile."""
-        few = self._near(self.centroids[:FEW] @ linear.T + translation)
-        return all(few) and all(partners for partners in self.partners(linear, translation))
+        return len(self.may_be_kept(linear, translation[None])) > 0 and all(
+            partners for partners in self.partners(linear, translation)
+        )
+
+    def may_be_kept(self, linear: FloatArray, translations: FloatArray) -> IntArray:
+        """Numbers of those translations (n, 2) by which a few tiles are carried onto tiles."""
+        left = np.arange(len(translations))
+        for tile in self._rarest:
+            near = self._near(self.centroids[tile] @ linear.T + translations[left])
+            left = left[[self._is_among(tile, others, linear) for others in near]]
+            if not len(left):
+                break
+        return left
 
     def partners(self, linear: FloatArray, translation: FloatArray) -> list[list[int]]:
         """For each tile the tiles that its image is, modulo the lattice (one or none).
@@ -82,14 +96,16 @@ class PlacedTiles:
     def _near(self, points: FloatArray) -> list[list[int]]:
         """For each point (n, 2) the tiles with their centroids there, modulo the lattice."""
         reach = NEAR_CENTROID * self.tolerance
+        found: list[list[int]] = [[] for _ in points]
         # A distance in fractions is at most the distance in mm over the least singular value.
-        widest = reach / np.linalg.svd(self.lattice, compute_uv=False)[-1]
+        widest = reach / self._least_stretch
         near = self._tree.query_ball_point(_in_cell(points, self.lattice), widest)
         which = np.repeat(np.arange(len(points)), [len(others) for others in near])
+        if not len(which):
+            return found
         others = np.concatenate(near).astype(int)
         apart = points[which] - self.centroids[others]
         apart -= np.rint(apart @ np.linalg.inv(self.lattice)) @ self.lattice
-        found: list[list[int]] = [[] for _ in points]
         for close, point, other in zip(
             np.hypot(*apart.T) <= reach, which.tolist(), others.tolist(), strict=True
         ):
@@ -102,6 +118,23 @@ class PlacedTiles:
         return cKDTree(_in_cell(self.centroids, self.lattice), boxsize=1.0)
 
     @cached_property
+    def _least_stretch(self) -> float:
+        return float(np.linalg.svd(self.lattice, compute_uv=False)[-1])
+
+    @cached_property
+    def _area_between(self) -> list[float]:
+        """By how much a tile of the same shape may be larger or smaller, for each tile."""
+        tolerance = self.tolerance
+        edges = (np.linalg.norm(np.diff(s, axis=0, append=s[:1]), axis=1) for s in self._shapes)
+        return [2.0 * tolerance * (float(lengths.sum()) + 4.0 * tolerance) for lengths in edges]
+
+    @cached_property
+    def _rarest(self) -> list[int]:
+        """A few tiles, of the shapes that the cell has fewest of."""
+        kinds = np.array(self._kinds)
+        return np.argsort(np.bincount(kinds)[kinds], kind="stable")[:FEW].tolist()
+
+    @cached_property
     def _kinds(self) -> list[int]:
         """Number of each tile's shape; tiles that are copies moved by a vector have the same."""
         known: dict[bytes, int] = {}
@@ -109,7 +142,12 @@ class PlacedTiles:
         keys = (np.rint(shape / grid).tobytes() for shape in self._shapes)
         return [known.setdefault(key, len(known)) for key in keys]
 
+    def _is_among(self, tile: int, others: list[int], linear: FloatArray) -> bool:
+        return any(self._same_shape(tile, other, linear) for other in others)
+
     def _same_shape(self, tile: int, other: int, linear: FloatArray) -> bool:
+        if abs(self.areas[tile] - self.areas[other]) > self._area_between[tile]:
+            return False
         key = (self._kinds[tile], self._kinds[other], linear.tobytes())
         if key not in self._compared:
             image = self._shapes[tile] @ linear.T

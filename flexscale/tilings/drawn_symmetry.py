@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from flexscale.errors import TilingError
 from flexscale.tilings.bravais import (
@@ -25,9 +25,11 @@ from flexscale.tilings.bravais import (
     reduced_lattice,
     row_basis,
 )
-from flexscale.tilings.congruence import PlacedTiles
+from flexscale.tilings.congruence import IntArray, PlacedTiles
 from flexscale.tilings.wallpaper import DrawnSymmetry, Reflection, SymmetryOperation, group_name
 from flexscale.units import require_positive
+
+BoolArray = NDArray[np.bool_]
 
 TOLERANCE = 1e-6  # of the root of a tile's mean area
 AREA_TOLERANCE = 1e-3  # relative: a tile too many or too few
@@ -55,7 +57,8 @@ def drawn_symmetry(
     basis = cell.placed.lattice
     shifts: dict[LatticeOperation, FloatArray] = {}
     for candidate in lattice_operations(basis, cell.placed.tolerance):
-        for shift in cell.placed.centroids - candidate.linear @ cell.placed.centroids[0]:
+        moves = cell.placed.centroids - candidate.linear @ cell.placed.centroids[0]
+        for shift in moves[cell.placed.may_be_kept(candidate.linear, moves)]:
             if cell.placed.are_kept(candidate.linear, shift):
                 shifts[candidate] = shift
                 break
@@ -135,25 +138,27 @@ def _translations(placed: PlacedTiles) -> list[tuple[int, int]]:
     What those found so far generate is not tried again: of n shifts few are.
     """
     n = len(placed)
+    steps = (placed.centroids - placed.centroids[0]) @ np.linalg.inv(placed.lattice)
+    shifts = np.rint(n * steps).astype(int)
+    shifts = shifts[placed.may_be_kept(np.eye(2), shifts @ placed.lattice / n)]
     found: list[tuple[int, int]] = []
-    for step in placed.centroids - placed.centroids[0]:
-        p, q = np.rint(n * step @ np.linalg.inv(placed.lattice)).astype(int).tolist()
-        if _generates(found, n, (p, q)):
-            continue
+    while len(shifts := shifts[~_generated(found, n, shifts)]):
+        (p, q), shifts = shifts[0].tolist(), shifts[1:]
         more = [*found, (p % n, q % n)]
-        if placed.are_kept(np.eye(2), np.array([p, q]) @ placed.lattice / n) and all(
+        if all(
             placed.are_kept(np.eye(2), np.array(row) @ placed.lattice / n)
-            for row in row_basis([*more, (n, 0), (0, n)])
+            for row in [(p, q), *row_basis([*more, (n, 0), (0, n)])]
         ):
             found = more
     return found
 
 
-def _generates(rows: list[tuple[int, int]], n: int, shift: tuple[int, int]) -> bool:
-    """Whether shifts generate another one, all in n-th parts of the lattice vectors."""
+def _generated(rows: list[tuple[int, int]], n: int, shifts: IntArray) -> BoolArray:
+    """Which shifts (m, 2) rows generate, all in n-th parts of the lattice vectors."""
     (a, b), (_, d) = row_basis([*rows, (n, 0), (0, n)])
-    times, rest = divmod(shift[0], a)
-    return rest == 0 and (shift[1] - times * b) % d == 0
+    times, rest = np.divmod(shifts[:, 0], a)
+    generated: BoolArray = (rest == 0) & ((shifts[:, 1] - times * b) % d == 0)
+    return generated
 
 
 def _reflection(operation: LatticeOperation, shift: FloatArray, basis: FloatArray) -> Reflection:

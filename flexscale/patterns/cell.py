@@ -16,9 +16,17 @@ import numpy as np
 import shapely
 
 from flexscale.errors import PatternError
-from flexscale.patterns.corners import ROUNDING, IntArray, corner_classes, merge_corners
+from flexscale.patterns.corners import (
+    ROUNDING,
+    IntArray,
+    corner_classes,
+    merge_corners,
+    numbered,
+    split_like,
+    successors,
+)
 from flexscale.patterns.drawing import FINEST, tile_size
-from flexscale.patterns.junctions import insert_junctions, turning_angles, without_idle_corners
+from flexscale.patterns.junctions import insert_junctions, turns_of_tiles, without_idle_corners
 from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 AREA_TOLERANCE = 1e-3  # relative: edges that pair up leave only whole multiples of the cell's area
@@ -65,8 +73,8 @@ def build_cell(
         lattice = lattice[::-1].copy()
     size, area = tile_size(lattice, len(tiles)), float(np.linalg.det(lattice))
     tolerance = FINEST * size if tolerance is None else tolerance
-    polygons = [_checked_polygon(tile, number, size) for number, tile in enumerate(tiles)]
-    total = sum(polygon_area(polygon) for polygon in polygons)
+    polygons = _checked_polygons(tiles, size)
+    total = float(_areas(polygons).sum())
     if abs(total - area) > AREA_TOLERANCE * area:
         remedy = "leave holes" if total < area else "overlap"
         raise PatternError(
@@ -88,6 +96,39 @@ def polygon_area(polygon: FloatArray) -> float:
     # About a corner: about an origin far away, products that cancel would take the digits.
     x, y = (polygon - polygon[0]).T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def _areas(polygons: Sequence[FloatArray]) -> FloatArray:
+    """Signed areas (n_tiles,), mm², of polygons without empty ones."""
+    tile, start = numbered(polygons)
+    corners = np.concatenate(polygons)
+    x, y = (corners - corners[start][tile]).T
+    end = successors(polygons)
+    areas: FloatArray = 0.5 * np.add.reduceat(x * y[end] - y * x[end], start)
+    return areas
+
+
+def _checked_polygons(tiles: Sequence[FloatArray], size: float) -> list[FloatArray]:
+    """Counterclockwise polygons of tiles: those that are fine at once, the others one by one."""
+    corners, (tile, start) = np.concatenate(tiles), numbered(tiles)
+    lengths = np.linalg.norm(corners[successors(tiles)] - corners, axis=1)
+    fine = np.minimum.reduceat(lengths, start) > FINEST * size
+    fine &= np.bincount(tile) >= 3
+    areas = _areas(tiles)
+    fine &= np.abs(areas) > FINEST * size * np.add.reduceat(lengths, start)
+    inside = fine[tile]
+    which = (np.cumsum(fine) - 1)[tile[inside]]
+    fine[fine] = shapely.is_valid(
+        shapely.polygons(shapely.linearrings(corners[inside], indices=which))
+    )
+    return [
+        (polygon if area > 0.0 else polygon[::-1].copy())
+        if is_fine
+        else _checked_polygon(polygon, number, size)
+        for number, (polygon, area, is_fine) in enumerate(
+            zip(tiles, areas.tolist(), fine.tolist(), strict=True)
+        )
+    ]
 
 
 def _checked_polygon(tile: FloatArray, number: int, size: float) -> FloatArray:
@@ -126,36 +167,37 @@ def _check_edge_partners(
     polygons: list[FloatArray], classes: list[IntArray], lattice: FloatArray, tolerance: float
 ) -> None:
     """Every edge must be some edge, turned around, of exactly one tile."""
-    seen: dict[tuple[int, int, int, int], list[tuple[int, FloatArray]]] = {}
-    anchors = {}
-    for polygon, labels in zip(polygons, classes, strict=True):
-        anchors.update({int(label): corner for label, corner in zip(labels, polygon, strict=True)})
-    inverse = np.linalg.inv(lattice)
-    wanted = []
-    for number, (polygon, labels) in enumerate(zip(polygons, classes, strict=True)):
-        offsets = np.rint(
-            (polygon - np.array([anchors[int(label)] for label in labels])) @ inverse
-        ).astype(int)
-        for k in range(len(polygon)):
-            m = (k + 1) % len(polygon)
-            shift = offsets[m] - offsets[k]
-            seen.setdefault((labels[k], labels[m], *shift), []).append((number, polygon[k]))
-            wanted.append((number, polygon[k], polygon[m], (labels[m], labels[k], *(-shift))))
-    for number, start, end, key in wanted:
-        if len(seen.get(key, [])) != 1:
-            raise PatternError(
-                f"The tiles do not cover the plane: the edge of tile {number} from "
-                f"({start[0]:.6g}, {start[1]:.6g}) to ({end[0]:.6g}, {end[1]:.6g}) mm from the "
-                "first corner of tile 0 does not meet exactly one tile on its other side. Mend "
-                f"the overlap or hole there; corners must agree to {tolerance:.1g} mm, some units "
-                "of the last decimal given."
-            )
+    here, corners, end = np.concatenate(classes), np.concatenate(polygons), successors(polygons)
+    first = np.unique(here, return_index=True)[1]
+    places = np.rint((corners - corners[first[here]]) @ np.linalg.inv(lattice)).astype(np.int64)
+    steps, there = places[end] - places, here[end]
+    edges = np.sort(_edge_names(here, there, steps))
+    sought = _edge_names(there, here, -steps)
+    found = np.searchsorted(edges, sought, "right") - np.searchsorted(edges, sought, "left")
+    if (found == 1).all():
+        return
+    wrong = int((found != 1).argmax())
+    start, stop = corners[wrong], corners[end[wrong]]
+    raise PatternError(
+        f"The tiles do not cover the plane: the edge of tile {numbered(polygons)[0][wrong]} from "
+        f"({start[0]:.6g}, {start[1]:.6g}) to ({stop[0]:.6g}, {stop[1]:.6g}) mm from the "
+        "first corner of tile 0 does not meet exactly one tile on its other side. Mend "
+        f"the overlap or hole there; corners must agree to {tolerance:.1g} mm, some units "
+        "of the last decimal given."
+    )
+
+
+def _edge_names(here: IntArray, there: IntArray, steps: IntArray) -> IntArray:
+    """One number (n,) for each edge, by the classes of its ends and the steps (n, 2) between."""
+    most = np.abs(steps).max() + 1
+    names: IntArray = here * (here.max() + 1) + there
+    for column in steps.T:
+        names = names * (2 * most) + column + most
+    return names
 
 
 def sharp_corners(polygons: Sequence[FloatArray], classes: list[IntArray]) -> list[BoolArray]:
     """Flags (n_i,) of corners where three tiles or more meet, or that turn sharply."""
-    n_meeting = np.bincount(np.concatenate(classes))
-    return [
-        (n_meeting[labels] >= 3) | (np.abs(turning_angles(polygon)) > SHARP_TURN)
-        for polygon, labels in zip(polygons, classes, strict=True)
-    ]
+    every = np.concatenate(classes)
+    sharp = (np.bincount(every)[every] >= 3) | (np.abs(turns_of_tiles(polygons)) > SHARP_TURN)
+    return split_like(sharp, list(polygons))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +71,20 @@ def corner_classes(
     return split_like(labels, polygons)
 
 
+def numbered(polygons: Sequence[FloatArray]) -> tuple[IntArray, list[int]]:
+    """Tile (n,) of every corner, and the number of each tile's first corner."""
+    counts = [len(polygon) for polygon in polygons]
+    return np.repeat(np.arange(len(polygons)), counts), np.cumsum([0, *counts[:-1]]).tolist()
+
+
+def successors(polygons: Sequence[FloatArray]) -> IntArray:
+    """Number (n,) of the corner that follows each one around its tile."""
+    _, start = numbered(polygons)
+    end = np.arange(1, sum(map(len, polygons)) + 1)
+    end[np.array([*start[1:], len(end)]) - 1] = start
+    return end
+
+
 def split_like(flat: NDArray, polygons: list[FloatArray]) -> list[NDArray]:
     """What belongs to all corners, one after the other, by polygons."""
     return np.split(flat, np.cumsum([len(polygon) for polygon in polygons])[:-1])
@@ -97,12 +112,12 @@ def merge_corners(
 
 def _matched(polygons: list[FloatArray], near: Neighbors) -> IntArray:
     """Class (n,) of every corner: pairs are joined, the nearest first, unless a tile forbids it."""
-    owners = np.repeat(np.arange(len(polygons)), [len(polygon) for polygon in polygons])
-    root = np.arange(len(owners))
+    owners, _ = numbered(polygons)
+    root = list(range(len(owners)))
     members: dict[int, dict[Image, int]] = {
         corner: {(tile, 0, 0): corner} for corner, tile in enumerate(owners.tolist())
     }
-    place = np.zeros((len(owners), 2), dtype=np.int64)  # of a corner, from that of its root
+    place = [(0, 0)] * len(owners)  # of a corner, from that of its root
     order = np.lexsort((near.second, near.first, near.distances))
     for first, second, (m, n) in zip(
         near.first[order].tolist(),
@@ -110,18 +125,19 @@ def _matched(polygons: list[FloatArray], near: Neighbors) -> IntArray:
         near.steps[order].tolist(),
         strict=True,
     ):
-        one, other = int(root[first]), int(root[second])
+        one, other = root[first], root[second]
         if one == other:
             continue
         if len(members[one]) < len(members[other]):
             one, other, first, second, m, n = other, one, second, first, -m, -n
         # The place of the other root, from that of the one.
-        x, y = (place[first] + (m, n) - place[second]).tolist()
+        x = place[first][0] + m - place[second][0]
+        y = place[first][1] + n - place[second][1]
         moved = {(tile, a + x, b + y): corner for (tile, a, b), corner in members[other].items()}
         if members[one].keys() & moved.keys():
             continue
         for corner in members.pop(other).values():
             root[corner] = one
-            place[corner] += (x, y)
+            place[corner] = (place[corner][0] + x, place[corner][1] + y)
         members[one] |= moved
-    return root
+    return np.array(root)

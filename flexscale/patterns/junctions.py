@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
 
-from flexscale.patterns.corners import ROUNDING, Image, IntArray, corner_classes
+from flexscale.patterns.corners import (
+    ROUNDING,
+    Image,
+    IntArray,
+    corner_classes,
+    numbered,
+    successors,
+)
 from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 IDLE_TURN = 2e-5  # radians: where two tiles meet, a corner that turns less is none
@@ -17,6 +25,16 @@ def turning_angles(polygon: FloatArray) -> FloatArray:
     """Turn of the outline at every corner (n,), radians; positive to the left."""
     forward = np.roll(polygon, -1, axis=0) - polygon
     backward = np.roll(forward, 1, axis=0)
+    cross = backward[:, 0] * forward[:, 1] - backward[:, 1] * forward[:, 0]
+    return np.arctan2(cross, np.sum(backward * forward, axis=1))
+
+
+def turns_of_tiles(polygons: Sequence[FloatArray]) -> FloatArray:
+    """Turns of all outlines at all corners (n,), one tile after the other, radians."""
+    corners, end = np.concatenate(polygons), successors(polygons)
+    forward = corners[end] - corners
+    backward = np.empty_like(forward)
+    backward[end] = forward
     cross = backward[:, 0] * forward[:, 1] - backward[:, 1] * forward[:, 0]
     return np.arctan2(cross, np.sum(backward * forward, axis=1))
 
@@ -38,8 +56,8 @@ def insert_junctions(
     corners = np.concatenate(polygons)
     classes = np.concatenate(corner_classes(polygons, lattice, ROUNDING * size))
     _, first = np.unique(classes, return_index=True)
-    tile, start = _numbered(polygons)
-    end = _successors(polygons)
+    tile, start = numbered(polygons)
+    end = successors(polygons)
     home = np.floor(corners @ np.linalg.inv(lattice)) @ lattice
     segments = np.stack([corners - home, corners[end] - home], axis=1)
     points, known, steps = _images(corners[first], lattice, segments.reshape(-1, 2), tolerance)
@@ -67,24 +85,15 @@ def insert_junctions(
     for polygon, first_edge in zip(polygons, start, strict=True):
         edges_here = range(first_edge, first_edge + len(polygon))
         if any(edge in inserted for edge in edges_here):
-            parts = [_edge_with(corners, end, edge, inserted.get(edge, [])) for edge in edges_here]
-            polygon = np.vstack(parts)
+            parts = [
+                _edge_with(corners, end, edge, inserted[edge])
+                if edge in inserted
+                else corners[edge : edge + 1]
+                for edge in edges_here
+            ]
+            polygon = np.concatenate(parts)
         grown.append(polygon)
     return grown
-
-
-def _numbered(polygons: list[FloatArray]) -> tuple[IntArray, list[int]]:
-    """Tile (n,) of every corner, and the number of each tile's first corner."""
-    counts = [len(polygon) for polygon in polygons]
-    return np.repeat(np.arange(len(polygons)), counts), np.cumsum([0, *counts[:-1]]).tolist()
-
-
-def _successors(polygons: list[FloatArray]) -> IntArray:
-    """Number (n,) of the corner that follows each one around its tile."""
-    _, start = _numbered(polygons)
-    return np.concatenate(
-        [k + np.roll(np.arange(len(p)), -1) for k, p in zip(start, polygons, strict=True)]
-    )
 
 
 def _images(
@@ -135,6 +144,8 @@ def _leads(
 ) -> bool:
     """Whether a point lies on an edge: its own edges lead along it, both ways, while both last."""
     length = float(np.linalg.norm(end - start))
+    if length == 0.0:
+        return False
     along = (end - start) / length
     across = np.array([-along[1], along[0]])
     lengths = np.linalg.norm(leaving, axis=1)
@@ -169,7 +180,7 @@ def without_idle_corners(
         many small turns is one.
     """
     every = np.concatenate(classes)
-    turns = np.abs(np.concatenate([turning_angles(polygon) for polygon in polygons]))
+    turns = np.abs(turns_of_tiles(polygons))
     largest = np.zeros(every.max() + 1)
     np.maximum.at(largest, every, turns)
     idle = (largest < IDLE_TURN) & (np.bincount(every) == 2)
@@ -177,7 +188,8 @@ def without_idle_corners(
         return polygons
     bends = np.zeros(len(idle), dtype=bool)
     for polygon, labels in zip(polygons, classes, strict=True):
-        bends[labels[_off_line(polygon, idle[labels]) > tolerance]] = True
+        if idle[labels].any():
+            bends[labels[_off_line(polygon, idle[labels]) > tolerance]] = True
     idle &= ~bends
     return [polygon[~idle[labels]] for polygon, labels in zip(polygons, classes, strict=True)]
 

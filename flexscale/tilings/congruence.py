@@ -54,6 +54,16 @@ class PlacedTiles:
         ]
         self._compared: dict[tuple[int, int, bytes], bool] = {}
 
+    def on(
+        self, lattice: FloatArray, tolerance: float, tiles: Sequence[int] | None = None
+    ) -> PlacedTiles:
+        """The tiles, or those of some numbers, modulo another lattice."""
+        which = list(range(len(self)) if tiles is None else tiles)
+        other = PlacedTiles((), lattice, tolerance)
+        other.areas, other.centroids = self.areas[which], self.centroids[which]
+        other._shapes = [self._shapes[tile] for tile in which]
+        return other
+
     def __len__(self) -> int:
         return len(self._shapes)
 

@@ -53,7 +53,8 @@ def drawn_symmetry(
     TilingError : no polygons, no lattice, or areas that do not add up to that of the cell.
     UnitRangeError : the tolerance is not a positive number.
     """
-    cell = _primitive(*_checked(tiles, lattice), tolerance)
+    _, given = _checked(tiles, lattice)
+    cell = _primitive(given, tolerance)
     basis = cell.placed.lattice
     shifts: dict[LatticeOperation, FloatArray] = {}
     for candidate in lattice_operations(basis, cell.placed.tolerance):
@@ -97,9 +98,9 @@ def primitive_cell(
     lattice : (2, 2) reduced basis, right-handed. A cell that is primitive keeps its lattice.
     """
     polygons, given = _checked(tiles, lattice)
-    cell = _primitive(polygons, given, tolerance)
+    cell = _primitive(given, tolerance)
     kept = tuple(polygons[tile] for tile in cell.kept)
-    return kept, (given if cell.n_cells == 1 else cell.placed.lattice)
+    return kept, (given.lattice if cell.n_cells == 1 else cell.placed.lattice)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,24 +112,24 @@ class _PrimitiveCell:
     n_cells: int
 
 
-def _primitive(polygons: list[FloatArray], lattice: FloatArray, tolerance: float) -> _PrimitiveCell:
-    n = len(polygons)
-    size = float(np.sqrt(abs(np.linalg.det(lattice)) / n))
-    basis = reduced_lattice(lattice)
-    placed = PlacedTiles(polygons, basis, require_positive(tolerance, "tolerance", "") * size)
+def _primitive(given: PlacedTiles, tolerance: float) -> _PrimitiveCell:
+    n = len(given)
+    size = float(np.sqrt(abs(np.linalg.det(given.lattice)) / n))
+    basis = reduced_lattice(given.lattice)
+    placed = given.on(basis, require_positive(tolerance, "tolerance", "") * size)
     rows = _translations(placed)
     if not rows:
         return _PrimitiveCell(placed, list(range(n)), 1)
     whole = np.array(row_basis([*rows, (n, 0), (0, n)]))
     primitive = reduced_lattice(whole @ basis / n)
-    repeated = PlacedTiles(polygons, primitive, placed.tolerance)
+    repeated = placed.on(primitive, placed.tolerance)
     kept: list[int] = []
     known: set[int] = set()
     for tile in range(n):
         if tile not in known:
             kept.append(tile)
             known.update(repeated.copies(tile))
-    fewer = PlacedTiles([polygons[tile] for tile in kept], primitive, placed.tolerance)
+    fewer = placed.on(primitive, placed.tolerance, kept)
     return _PrimitiveCell(fewer, kept, n * n // int(whole[0, 0] * whole[1, 1]))
 
 
@@ -172,7 +173,10 @@ def _into_cell(shift: FloatArray, basis: FloatArray) -> FloatArray:
     return shift - np.floor(fractions + JUST_BELOW) @ basis
 
 
-def _checked(tiles: Sequence[ArrayLike], lattice: ArrayLike) -> tuple[list[FloatArray], FloatArray]:
+def _checked(
+    tiles: Sequence[ArrayLike], lattice: ArrayLike
+) -> tuple[list[FloatArray], PlacedTiles]:
+    """Polygons, and the tiles that they are on their lattice."""
     try:
         polygons = [np.array(tile, dtype=float) for tile in tiles]
         cell = np.array(lattice, dtype=float)
@@ -183,10 +187,11 @@ def _checked(tiles: Sequence[ArrayLike], lattice: ArrayLike) -> tuple[list[Float
     if cell.shape != (2, 2) or not all(np.isfinite(array).all() for array in (cell, *polygons)):
         raise TilingError("Symmetry needs finite corners and a lattice of two (x, y) vectors.")
     area = abs(float(np.linalg.det(cell)))
-    total = float(PlacedTiles(polygons, cell, 0.0).areas.sum())
+    placed = PlacedTiles(polygons, cell, 0.0)
+    total = float(placed.areas.sum())
     if area == 0.0 or abs(total - area) > AREA_TOLERANCE * area:
         raise TilingError(
             f"The tiles' areas add up to {total:.6g}, but the lattice's cell has {area:.6g}: give "
             "one polygon per lattice class."
         )
-    return polygons, cell
+    return polygons, placed

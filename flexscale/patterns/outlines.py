@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from decimal import ROUND_FLOOR, Decimal
+from functools import cache
 
 import numpy as np
 import shapely
@@ -207,31 +208,39 @@ def _frames(polygon: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _widest_gap(polygons: Sequence[FloatArray], too_wide: float) -> float:
     """Gap, mm, that leaves every tile a scale in one piece; three digits, rounded down."""
+
+    @cache
+    def is_whole(number: int, gap: float) -> bool:
+        return inset_corners(polygons[number], 0.5 * gap) is not None
+
     widest = too_wide
-    for polygon in polygons:
-        if inset_corners(polygon, 0.5 * widest) is not None:
+    for number in range(len(polygons)):
+        if is_whole(number, widest):
             continue
         low, high = 0.0, widest
         for _ in range(20):
             middle = 0.5 * (low + high)
-            whole = inset_corners(polygon, 0.5 * middle) is not None
-            low, high = (middle, high) if whole else (low, middle)
+            low, high = (middle, high) if is_whole(number, middle) else (low, middle)
             if low > 0.0 and _three_digits(low) == _three_digits(high):
                 break
         widest = low
     if widest == 0.0:
         return 0.0
     named = _three_digits(widest)
-    step = Decimal(1).scaleb(named.adjusted() - 2)
     # Scales may be whole at some gap, and not at a narrower one: what is named is tried.
-    while named > 0 and any(inset_corners(tile, 0.5 * float(named)) is None for tile in polygons):
+    step = _last_of_three_digits(widest)
+    while named > 0 and not all(is_whole(k, float(named)) for k in range(len(polygons))):
         named -= step
     return float(named)
 
 
 def _three_digits(length: float) -> Decimal:
     """A length, mm, rounded down to three digits."""
-    return Decimal(length).quantize(Decimal(1).scaleb(Decimal(length).adjusted() - 2), ROUND_FLOOR)
+    return Decimal(length).quantize(_last_of_three_digits(length), ROUND_FLOOR)
+
+
+def _last_of_three_digits(length: float) -> Decimal:
+    return Decimal(1).scaleb(Decimal(length).adjusted() - 2)
 
 
 def _corners_left(shape: shapely.Geometry, inset: float) -> FloatArray | None:

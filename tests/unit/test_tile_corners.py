@@ -149,6 +149,7 @@ def test_what_cannot_be_kept_is_refused_for_that() -> None:
         rows(0.001)
 
 
+@pytest.mark.slow
 def test_many_points_in_one_outline() -> None:
     """12,000 points, typed to 1e-6 mm."""
     x = np.linspace(0.0, 10.0, 6001)

@@ -31,7 +31,7 @@ quickstart: setup
 	@$(BIN)/flexscale run workflows/quickstart.yaml --cores $(CORES)
 
 test: setup
-	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadgroup --durations=10
+	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile --durations=10
 
 test-slow: setup
 	@$(BIN)/python -m pytest -q -m slow

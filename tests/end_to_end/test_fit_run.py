@@ -11,8 +11,6 @@ import flexscale as fs
 from flexscale.datasets.registry import open_registry
 from tests.end_to_end.test_run import run
 
-pytestmark = pytest.mark.xdist_group("run")
-
 FILE = """
 patterns:
   square: {family: IH76}

@@ -13,8 +13,6 @@ from flexscale.datasets.registry import open_registry
 from flexscale.errors import ConfigError
 from flexscale.steps.experiment import load_experiment
 
-pytestmark = pytest.mark.xdist_group("run")
-
 ROOT = Path(__file__).parents[2]
 FILE = """
 patterns:

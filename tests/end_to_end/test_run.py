@@ -19,7 +19,6 @@ from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Store
 
 # One worker process does all of these: they share the results of one run.
-pytestmark = pytest.mark.xdist_group("run")
 
 ROOT = Path(__file__).parents[2]
 FILE = """

@@ -18,8 +18,6 @@ from benchmarks.kills import ROLES, kill_one
 from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Store
 
-# One worker process does all of these: they share the results of one run.
-
 ROOT = Path(__file__).parents[2]
 FILE = """
 patterns:

@@ -26,7 +26,7 @@ def pick_sides(dataset: xr.Dataset, sides: str | Sequence[str] | None) -> list[s
     present = [str(side) for side in np.atleast_1d(dataset["side"].values)]
     if sides is None:
         return [side for side in SIDES if side in present]
-    return list(choices("side in this dataset", present)(sides, "sides"))
+    return list(choices("side", present)(sides, "sides"))
 
 
 def pick_values(

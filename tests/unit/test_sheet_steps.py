@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from pathlib import Path
 from typing import Any
 
@@ -83,11 +82,6 @@ def test_a_native_strip_needs_no_fit() -> None:
     parameters = STEPS["native_rig"].parameters.model_validate(job.recipe.parameters)
     assert parameters.model_dump()["shortenings"] == (1.0, 2.0)
     assert STEPS["native_rig"].resumable
-
-
-def test_every_step_has_a_rule_of_the_workflow() -> None:
-    rules = re.findall(r"^rule (\w+):", (WORKFLOWS / "Snakefile").read_text(), re.MULTILINE)
-    assert set(STEPS) <= set(rules)
 
 
 def test_the_workflow_of_the_rigs_uses_the_sweep_of_the_named_patterns() -> None:

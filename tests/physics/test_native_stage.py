@@ -34,7 +34,7 @@ def bare_tiles() -> SheetTiles:
     """One tile with a scale at each end, and sheet alone between them."""
     ends = rectangle(0.0, STRIP), rectangle(LENGTH - STRIP, LENGTH)
     sharp = np.ones(4, dtype=bool)
-    cell = TiledCell(ends, (sharp, sharp), np.diag([LENGTH, WIDTH]), 1e-3)
+    cell = TiledCell(ends, (sharp, sharp), np.diag([LENGTH, WIDTH]), LENGTH, 1e-3)
     at_far = np.array([False, True])
     return SheetTiles(
         LENGTH, WIDTH, 0.0, np.zeros(2), *find_prototiles(cell, GAP), np.array([True, True]),
@@ -235,7 +235,7 @@ def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
         ({"shortenings": [40.0]}, BadInputError, "stay below its length"),
         ({"sides": ["sideways"]}, UnknownNameError, "sideways"),
         ({"length": -1.0}, UnitRangeError, "strip length"),
-        ({"width": 0.0}, UnitRangeError, "sheet width"),
+        ({"width": 0.0}, UnitRangeError, "width"),
         ({"width": 1.0}, PatternError, "smaller than one cell"),
         ({"direction": np.nan}, UnitRangeError, "direction"),
     ],

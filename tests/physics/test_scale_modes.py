@@ -10,7 +10,7 @@ import pytest
 import flexscale as fs
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.display import Display
-from flexscale.errors import ConfigError
+from flexscale.errors import UnknownNameError
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
@@ -93,5 +93,5 @@ def test_energy_of_a_body():
 
 
 def test_unknown_scale_model_is_refused():
-    with pytest.raises(ConfigError, match="Did you mean 'tets'"):
+    with pytest.raises(UnknownNameError, match="Did you mean 'tets'"):
         fs.ScaleOptions("tetts")

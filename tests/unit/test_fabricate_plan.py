@@ -261,7 +261,7 @@ REFUSED = [
     ("wall of the hinge barrels is 0.2 mm", {"shape": Rectangle(barrel_wall=0.2)}),
     ("leaves a ring of 0.1 mm", {"shape": Disc(4.1, hub=8.0)}),
     (
-        "has a wall.* below the smallest wall of 8 mm|smallest wall",
+        "smallest wall of 8 mm",
         {
             "pattern": fs.named_pattern("chevron"),
             "shape": Disc(60.0),

@@ -91,7 +91,7 @@ def test_unconverged_samples_are_labelled_and_empty():
         (([0.0], []), UnitRangeError, "curvatures"),
         (([180.0], [0.001]), UnitRangeError, "180 degree"),
         (([0.0], [-0.001]), UnitRangeError, "mm-1"),
-        (([0.0], [0.002, 0.001]), UnitRangeError, "increas"),
+        (([0.0], [0.002, 0.001]), UnitRangeError, "must increase, but 0.001"),
         (([0.0], [float("nan")]), UnitRangeError, "finite"),
         (([0.0], [0.25]), UnitRangeError, "4 mm high"),
         (([0.0, 0.0], [0.001]), UnitRangeError, "distinct"),

@@ -103,7 +103,7 @@ def test_bad_bends_are_refused(squares: NativeSheet) -> None:
         next(bend_native_sheet(squares, (0.0, 0.4)))
     with pytest.raises(BadInputError, match="no side"):
         next(bend_native_sheet(squares, (0.0,), "sideways"))
-    with pytest.raises(BadInputError, match="must increase, but 0.001"):
+    with pytest.raises(BadInputError, match=r"must increase, but 0\.001"):
         next(bend_native_sheet(squares, (0.002, 0.001)))
     with pytest.raises(ConfigError, match="modes"):
         NativeSheet(fs.named_pattern("square"), 20.0, 10.0, scales=fs.ScaleOptions(model="tets"))

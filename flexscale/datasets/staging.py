@@ -44,13 +44,20 @@ class FileCheckpoint:
         self.folder = Path(folder)
         self._counts: dict[str, int] = {}
 
-    def load(self, line_key: str) -> list[dict[str, Any]]:
+    def load(
+        self, line_key: str, fits: Callable[[int, dict[str, Any]], bool] = lambda *_: True
+    ) -> list[dict[str, Any]]:
         """Samples of the line in their order, bit for bit as appended; [] when there are none.
 
-        What a kill left half written, and all that follows it, is ignored.
+        What a kill left half written, or does not fit its number, and all that follows it, is
+        ignored, and written over by what is appended.
         """
         samples: list[dict[str, Any]] = []
         while (sample := _read_sample(self._path(line_key, len(samples)))) is not None:
+            if not fits(len(samples), sample):
+                path = self._path(line_key, len(samples))
+                logger.warning("%s is of something else: it and what follows are redone", path)
+                break
             samples.append(sample)
         self._counts[line_key] = len(samples)
         return samples

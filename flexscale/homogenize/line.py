@@ -17,6 +17,7 @@ import numpy as np
 
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
+from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
@@ -148,6 +149,17 @@ def follow_line(
         if status == SolveStatus.converged:
             stiffness = sample.get("barrier_stiffness", 0.0)
             set_barrier(problem, sample)
+
+
+def load_line(
+    problem: CellProblem, line: Line, checkpoint: Checkpoint | None
+) -> list[dict[str, Any]]:
+    """Finished samples of a line from which `follow_line` can go on."""
+    needed = {"energy_density", "moment"}
+    if problem.contact is not None:
+        needed |= {"min_gap", "barrier_stiffness"}
+    axis = ("curvature", line.curvatures)
+    return load_finished(checkpoint, line.key, axis, len(problem.embedding.rest), needed)
 
 
 def set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:

@@ -15,8 +15,6 @@ import traceback
 from multiprocessing.connection import Connection
 
 SAMPLE, DONE, FAILED = "sample", "done", "failed"
-#: What a sample holds for the one that follows it, of no use to others.
-LEFT_OUT = ("state", "rate", "second_rate")
 
 
 def watch(number: int) -> None:

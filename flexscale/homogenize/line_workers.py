@@ -11,13 +11,14 @@ import os
 import queue
 import socket
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.connection import Connection
 from threading import Lock, Thread
 from typing import Any
 
+from flexscale.homogenize.checkpoint import STATE, Checkpoint
 from flexscale.homogenize.line import Line
-from flexscale.homogenize.line_worker import DONE, FAILED, LEFT_OUT
+from flexscale.homogenize.line_worker import DONE, FAILED
 from flexscale.processes import (
     ProcessEndedError,
     child_environment,
@@ -38,12 +39,20 @@ class LineWorkers:
     ----------
     problem : (mesh, model, bodies) of the cell, picklable.
     solver : solver options.
+    finished : samples of a line that are there already.
     checkpoint : keeps samples as they finish, in this process; None keeps none.
     """
 
-    def __init__(self, problem: tuple[Any, ...], solver: SolverOptions, checkpoint: Any) -> None:
+    def __init__(
+        self,
+        problem: tuple[Any, ...],
+        solver: SolverOptions,
+        finished: Callable[[Line], list[Sample]],
+        checkpoint: Checkpoint | None,
+    ) -> None:
         self.problem = problem
         self.solver = solver
+        self.finished = finished
         self.checkpoint = checkpoint
         self.lock = Lock()  # of the checkpoint and the list of workers
         self.todo: queue.SimpleQueue[Line] = queue.SimpleQueue()
@@ -74,7 +83,7 @@ class LineWorkers:
                 working -= 1
                 continue
             line, sample = result
-            yield line, {name: sample[name] for name in sample if name not in LEFT_OUT}
+            yield line, {name: sample[name] for name in sample if name not in STATE}
 
     def __enter__(self) -> LineWorkers:
         return self
@@ -119,10 +128,8 @@ class LineWorkers:
         return worker
 
     def _finished(self, line: Line) -> list[Sample]:
-        if self.checkpoint is None:
-            return []
         with self.lock:
-            return list(self.checkpoint.load(line.key)[: len(line.curvatures)])
+            return self.finished(line)
 
     def _keep(self, line: Line, sample: Sample) -> None:
         if self.checkpoint is not None:

@@ -11,10 +11,11 @@ from flexscale import checks
 from flexscale.checks import checked, function, length, number, series
 from flexscale.datasets.build_sheets import build_sheet_dataset
 from flexscale.datasets.variables import SOME_SIDES
+from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_sheet import NativeSheet, check_bends
-from flexscale.homogenize.sweep import Checkpoint, SampleEvent, run_lines
+from flexscale.homogenize.sweep import SampleEvent, run_lines
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions

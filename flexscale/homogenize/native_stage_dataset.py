@@ -14,10 +14,10 @@ from flexscale.checks import checked, function, length, number, series
 from flexscale.datasets.build import NO_CONTACT_COMMENT
 from flexscale.datasets.build_sheets import build_rig_dataset
 from flexscale.datasets.variables import SOME_SIDES
+from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.homogenize.stage_line import follow_shortenings
-from flexscale.homogenize.sweep import Checkpoint
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mechanics.scale_options import ScaleOptions
@@ -174,7 +174,9 @@ def _run_side(
 ) -> Iterator[dict[str, Any]]:
     """Samples of one side, those kept before first."""
     key = f"stage-{side}"
-    finished = [] if checkpoint is None else checkpoint.load(key)[: len(shortenings)]
+    finished = load_finished(
+        checkpoint, key, ("shortening", shortenings), stage.embedding.n_unknowns, _REAL[:2]
+    )
     yield from finished
     for sample in follow_shortenings(stage, shortenings, side, solver, finished):
         if checkpoint is not None:

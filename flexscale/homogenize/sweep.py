@@ -6,15 +6,17 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from flexscale import checks
 from flexscale.checks import checked, flag, function, series, whole
 from flexscale.datasets.variables import SOME_SIDES
 from flexscale.errors import UnitRangeError
 from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import Line, follow_line, load_line
 from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
 from flexscale.homogenize.sweep_dataset import build_dataset_of
@@ -35,19 +37,6 @@ from flexscale.status import SolveStatus
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-class Checkpoint(Protocol):
-    """Keeps finished samples, so that a kill loses only those in work.
-
-    Called in the process of the sweep, by one thread at a time.
-    """
-
-    def load(self, line_key: str) -> list[dict[str, Any]]:
-        """Finished samples of a line, in order."""
-
-    def append(self, line_key: str, sample: dict[str, Any]) -> None:
-        """Keep one more sample of a line."""
 
 
 @dataclass(frozen=True)
@@ -228,7 +217,7 @@ def check_sweep(
 def _run_line(
     problem: CellProblem, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
 ) -> Iterator[dict[str, Any]]:
-    finished = checkpoint.load(line.key)[: len(line.curvatures)] if checkpoint else []
+    finished = load_line(problem, line, checkpoint)
     yield from finished
     for sample in follow_line(problem, line, solver, finished):
         if checkpoint:
@@ -255,7 +244,8 @@ def _in_processes(
     workers: int,
 ) -> Iterator[tuple[Line, dict[str, Any]]]:
     parts = (problem.mesh, problem.model, problem.bodies)
-    with LineWorkers(parts, solver, checkpoint) as pool:
+    finished = partial(load_line, problem, checkpoint=checkpoint)
+    with LineWorkers(parts, solver, finished, checkpoint) as pool:
         yield from pool.run(lines, workers)
 
 

@@ -4,17 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
-
-class Checkpoint(Protocol):
-    """Where a step keeps finished samples, so that a kill loses only the one in work."""
-
-    def load(self, line_key: str) -> list[dict[str, Any]]:
-        """Finished samples of a line, in order."""
-
-    def append(self, line_key: str, sample: dict[str, Any]) -> None:
-        """Keep one more sample of a line."""
+from flexscale.homogenize.checkpoint import Checkpoint
 
 
 @dataclass(frozen=True)

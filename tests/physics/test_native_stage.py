@@ -201,7 +201,7 @@ def test_strips_are_one_scale_each() -> None:
 
 def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
     class Kept(dict):
-        def load(self, key: str) -> list:
+        def load(self, key: str, fits: object) -> list:
             return list(self.get(key, []))
 
         def append(self, key: str, sample: dict) -> None:

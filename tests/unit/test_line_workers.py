@@ -60,7 +60,7 @@ def test_a_worker_that_dies_early_ends_the_sweep(
     before, start = children(), time.monotonic()
     with (
         pytest.raises(ProcessEndedError, match=words),
-        LineWorkers((LARGE,), fs.SolverOptions(), None) as pool,
+        LineWorkers((LARGE,), fs.SolverOptions(), lambda _: [], None) as pool,
     ):
         list(pool.run(LINES, 2))
     assert time.monotonic() - start < 20.0
@@ -74,7 +74,7 @@ def test_a_worker_that_listens_no_more_is_killed_in_the_end(
     monkeypatch.setattr(line_workers, "_GRACE", 0.1)
     with (
         pytest.raises(ProcessEndedError, match="SIGKILL"),
-        LineWorkers((LARGE,), fs.SolverOptions(), None) as pool,
+        LineWorkers((LARGE,), fs.SolverOptions(), lambda _: [], None) as pool,
     ):
         list(pool.run(LINES, 1))
 

@@ -71,6 +71,44 @@ def test_resumed_sweep_is_identical(reference, tmp_path):
         assert [event.done for event in events] == list(range(1, 13))
 
 
+LINE = "closing-0.0"
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory):
+    kept = FileCheckpoint(tmp_path_factory.mktemp("samples"))
+    run(directions=[0.0], sides=["closing"], workers=1, checkpoint=kept)
+    return kept.load(LINE)
+
+
+SPOILT = [
+    {"state": np.zeros(3)},
+    {"state": "text"},
+    {"rate": np.full(1, np.nan)},
+    {"energy_density": "much"},
+    {"energy_density": None},
+    {"stretch": np.zeros(2)},
+    {"curvature": 0.003},
+    {"status": 99},
+    {"status": "converged"},
+]
+
+
+@pytest.mark.parametrize("spoilt", SPOILT, ids=lambda change: str(*change))
+def test_samples_of_something_else_are_computed_anew(samples, reference, tmp_path, caplog, spoilt):
+    """A sound file of the wrong contents, as another mesh or another hand leaves it."""
+    first, second, third = samples
+    kept = FileCheckpoint(tmp_path)
+    for sample in (first, second | spoilt, third):
+        kept.append(LINE, sample)
+    resumed = run(directions=[0.0], sides=["closing"], workers=1, checkpoint=kept)
+    assert resumed.energy_density.values == pytest.approx(
+        reference.energy_density.sel(side=["closing"], direction=[0.0]).values, abs=0.0
+    )
+    assert "is of something else" in caplog.text
+    assert [sample["curvature"] for sample in kept.load(LINE)] == CURVATURES
+
+
 def test_unconverged_samples_are_labelled_and_empty():
     """Two Newton iterations are not enough for a long step: status, NaN, and no silent stop."""
     data = fs.sweep(

@@ -2,7 +2,7 @@
 
 A public function names a check for each of its parameters::
 
-    @checked(pattern=PATTERN, width=length(), direction=number("degree"))
+    @checked(pattern=PATTERN, width=length(), direction=ANGLE)
     def simulate(pattern, width, direction=0.0): ...
 
 A check takes what the caller gave and what it is called, and returns what the function works with:
@@ -104,6 +104,10 @@ def number(
         return found
 
     return _telling(check, bounds=_range(low, high, above, below))
+
+
+#: degree, within a turn to either side: far beyond, a direction has no digits left.
+ANGLE = number("degree", -360.0, 360.0)
 
 
 def length(name: str = "") -> Check:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexscale.checks import checked, number, text
+from flexscale.checks import ANGLE, checked, number, text
 from flexscale.datasets.variables import ONE_SIDE
 from flexscale.errors import MissingDataError, UnknownNameError, suggest
 
@@ -23,7 +23,7 @@ class FlexScaleAccessor:
     @checked(
         name=text,
         side=ONE_SIDE,
-        direction=number("degree"),
+        direction=ANGLE,
         curvature=number("mm-1"),
     )
     def sample(

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from flexscale.checks import checked, choice, number, point
+from flexscale.checks import ANGLE, checked, choice, number, point
 from flexscale.errors import FabricationError
 from flexscale.fabricate.walls import GRID
 from flexscale.patterns import Pattern
@@ -23,7 +23,7 @@ SLIVER = 0.05  # of a tile: pieces smaller than this are left out if nothing els
 
 
 @checked(
-    direction=number("degree"),
+    direction=ANGLE,
     center=point("mm"),
     border=choice("border", ("cut", "whole")),
     smallest_area=number("mm²", 0.0, 1e8),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexscale import checks
-from flexscale.checks import checked, function, length, number, series
+from flexscale.checks import ANGLE, checked, function, length, series
 from flexscale.datasets.build_sheets import build_sheet_dataset
 from flexscale.datasets.variables import SOME_SIDES
 from flexscale.homogenize.checkpoint import Checkpoint
@@ -37,7 +37,7 @@ _COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs")
     length=length("sheet length"),
     width=length("sheet width"),
     curvatures=series("mm-1"),
-    direction=number("degree"),
+    direction=ANGLE,
     sides=SOME_SIDES,
     mesh=checks.MESH,
     contact=checks.CONTACT,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexscale import checks
-from flexscale.checks import checked, function, length, number, series
+from flexscale.checks import ANGLE, checked, function, length, series
 from flexscale.datasets.build import NO_CONTACT_COMMENT
 from flexscale.datasets.build_sheets import build_rig_dataset
 from flexscale.datasets.variables import SOME_SIDES
@@ -63,7 +63,7 @@ class ShorteningEvent:
     length=length("strip length"),
     width=length("strip width"),
     shortenings=series("mm", "shortening"),
-    direction=number("degree"),
+    direction=ANGLE,
     sides=SOME_SIDES,
     mesh=checks.MESH,
     contact=checks.CONTACT,

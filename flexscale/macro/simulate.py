@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexscale import checks
-from flexscale.checks import checked, length, number
+from flexscale.checks import ANGLE, checked, length, number
 from flexscale.macro.bent_sheet import BentSheet, SheetOptions, bend_sheet
 from flexscale.macro.sheet_model import SheetModel
 from flexscale.solve.solver_options import SolverOptions
@@ -14,7 +14,7 @@ from flexscale.solve.solver_options import SolverOptions
     length=length("sheet length"),
     width=length("sheet width"),
     curvature=number("mm-1"),
-    direction=number("degree"),
+    direction=ANGLE,
     options=checks.SHEET,
     solver=checks.SOLVER,
 )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale import checks
-from flexscale.checks import checked, length, number, series
+from flexscale.checks import ANGLE, checked, length, series
 from flexscale.datasets.variables import ONE_SIDE
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
@@ -199,7 +199,7 @@ class StageRig:
     length=length("strip length"),
     width=length("strip width"),
     shortenings=series("mm", "shortening"),
-    direction=number("degree"),
+    direction=ANGLE,
     side=ONE_SIDE,
     options=checks.RIG,
     solver=checks.SOLVER,

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from flexscale.checks import DATASET, checked, number
+from flexscale.checks import ANGLE, DATASET, checked
 from flexscale.datasets.fit_values import (
     PARAMETERS,
     FloatArray,
@@ -63,7 +63,7 @@ _NEEDED = (
 )
 
 
-@checked(model=DATASET, sweep=DATASET, direction=number("degree"))
+@checked(model=DATASET, sweep=DATASET, direction=ANGLE)
 def fit(
     model: xr.Dataset, sweep: xr.Dataset | None = None, *, direction: float | None = None
 ) -> Figure:

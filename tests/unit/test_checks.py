@@ -85,6 +85,10 @@ WRONG: dict[str, tuple[Any, dict[str, Any]]] = {
     "sweep: nan": (fs.sweep, {"directions": [np.nan], "curvatures": [0.0]}),
     "sweep: order": (fs.sweep, {"directions": [0], "curvatures": [0.01, 0.0]}),
     "sweep: twice": (fs.sweep, {"directions": [0, 0], "curvatures": [0.0]}),
+    "sheet: direction": (
+        fs.simulate_native_sheet,
+        {"length": 60, "width": 30, "curvatures": 0.0, "direction": 1e300},
+    ),
     "sweep: workers": (fs.sweep, {"directions": 0, "curvatures": 0.0, "workers": 0}),
     "sweep: checkpoint": (fs.sweep, {"directions": 0, "curvatures": 0.0, "checkpoint": 3}),
     "tangent: mesh": (fs.tangent_stiffness, {"mesh": 3}),

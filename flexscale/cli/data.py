@@ -198,6 +198,10 @@ def _criterion(text: str) -> tuple[str, Any]:
 
 def _value(key: str, text: str) -> Any:
     """A number, a switch of a recipe ("contact.enabled"), or text."""
+    from flexscale.datasets.entry import PROPERTIES
+
+    if PROPERTIES.get(key, (float,))[0] is str:  # a pattern may be called 4.8.8
+        return text
     if "." in key and text in ("true", "false"):
         return text == "true"
     try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from flexscale.datasets.variables import SCALARS
 from flexscale.names import is_name
 
 DATA_FILE = "data.nc"
+MOST = 2.0**53  # up to which floats hold every whole number; of a catalog's numbers, nan is beyond
 _DIGEST = re.compile(r"[0-9a-f]{64}")
 #: Columns of the catalog: name -> (type, unit). Rows are made of record.json alone.
 COLUMNS: dict[str, tuple[type, str]] = {
@@ -115,7 +115,7 @@ def is_sound_row(row: Mapping[str, Any]) -> bool:
         and all(row[name] is not None for name in ("samples", "failed", "dirty", "file_bytes"))
         and 0 <= row["failed"] <= row["samples"]
         and row["status"] == _status(row["failed"])
-        and all(number is None or math.isfinite(number) for number in numbers)
+        and all(number is None or abs(number) <= MOST for number in numbers)
         and all(row[name].isprintable() for name, (kind, _) in COLUMNS.items() if kind is str)
     )
 

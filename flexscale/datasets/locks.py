@@ -111,6 +111,18 @@ def _take(handle: int, path: Path, me: Owner) -> tuple[Path, str] | None:
 
 def _take_folder(folder: Path, me: Owner) -> tuple[Path, str] | None:
     """As `_take`, where there is no `flock`."""
+    for _ in range(2):  # a second time where the first removed what a killed process left
+        if _moved_into_place(folder, me):
+            # Of those killed before they could move theirs.
+            _remove_abandoned(folder.parent, f"{folder.name}.")
+            return None
+        if (holder := _live_holder(folder)) is not None:
+            return holder
+    return folder, "a process that has just ended"
+
+
+def _moved_into_place(folder: Path, me: Owner) -> bool:
+    """Whether our folder is now the one; not while another is there with its owner's file."""
     private = folder.with_name(f"{folder.name}.{me.token}~{uuid.uuid4().hex}")
     private.mkdir()
     (private / me.token).touch()
@@ -120,9 +132,8 @@ def _take_folder(folder: Path, me: Owner) -> tuple[Path, str] | None:
         shutil.rmtree(private, ignore_errors=True)
         if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
             raise
-        return _live_holder(folder) or (folder, "a process that has just ended")
-    _remove_abandoned(folder.parent, f"{folder.name}.")  # of those killed before they could move it
-    return None
+        return False
+    return True
 
 
 def _live_holder(folder: Path) -> tuple[Path, str] | None:

@@ -33,7 +33,7 @@ class Owner:
     def of_this_process(cls) -> Owner:
         """This very process."""
         host = re.sub(r"[^A-Za-z0-9._-]", "_", os.uname().nodename)[:64] or "unnamed"
-        return cls(os.getpid(), _start_time(os.getpid()), _place(), host)
+        return cls(os.getpid(), _start_time(os.getpid()) or 0, _place(), host)
 
     @classmethod
     def parse(cls, token: str) -> Owner | None:
@@ -60,8 +60,9 @@ class Owner:
             return True
         except OSError:  # it is somebody else's
             pass
-        # Numbers of processes are used again.
-        return self.started != _start_time(self.pid)
+        # Numbers of processes are used again; some systems hide when those of others started.
+        now = _start_time(self.pid)
+        return now is not None and self.started not in (now, 0)
 
 
 def _place() -> str:
@@ -75,14 +76,14 @@ def _place() -> str:
     return hashlib.sha256("\n".join(facts).encode(errors="replace")).hexdigest()[:12]
 
 
-def _start_time(pid: int) -> int:
-    """Clock ticks from the machine's start to the process's; 0 where there is no /proc.
+def _start_time(pid: int) -> int | None:
+    """Clock ticks from the machine's start to the process's; None where /proc does not tell.
 
     -1 for a process that has ended and whose parent does not look.
     """
     try:
         text = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
     except OSError:
-        return 0
+        return None
     fields = text.rpartition(")")[2].split()  # the name, in parentheses, may hold anything
     return -1 if fields[0] in "ZX" else int(fields[19])

@@ -5,12 +5,15 @@ The catalog does not hold recipes; these functions read record.json of the datas
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from flexscale.datasets.entry import Entry
 from flexscale.datasets.record import read_record
 from flexscale.errors import DatasetError, UnknownNameError, suggest
+
+logger = logging.getLogger(__name__)
 
 #: relative distance within which two numbers count as the same value
 SAME = 1e-9
@@ -41,7 +44,11 @@ def with_parameter(entries: Iterable[Entry], name: str, wanted: Any) -> list[Ent
     known: set[str] = set()
     found, asked = [], list(entries)
     for entry in asked:
-        parameters = parameters_of(entry)
+        try:
+            parameters = parameters_of(entry)
+        except DatasetError as error:  # damaged since the catalog was written
+            logger.warning("left out: %s", error)
+            continue
         known |= parameters.keys()
         if name in parameters and is_same(parameters[name], wanted):
             found.append(entry)
@@ -64,7 +71,12 @@ def is_same(stored: Any, wanted: Any) -> bool:
         return stored is wanted
     if not isinstance(stored, int | float) or not isinstance(wanted, int | float):
         return bool(stored == wanted)
-    return abs(stored - wanted) <= SAME * max(abs(stored), abs(wanted))
+    if isinstance(stored, int) and isinstance(wanted, int):
+        return stored == wanted
+    try:
+        return abs(stored - wanted) <= SAME * max(abs(stored), abs(wanted))
+    except OverflowError:  # an integer beyond all floats
+        return False
 
 
 def differing_parameters(entries: Sequence[Entry]) -> list[dict[str, Any]]:

@@ -76,7 +76,7 @@ class Selection(Sequence[Entry]):
         criteria : by property: a value, a list of allowed values, or `between`. For a dataset
             that lies in both layers, `source` says which copy is meant. Other names are those
             of parameters of the recipe, such as directions=[0, 90] or **{"mesh.across": 2};
-            for these the records of the datasets left are read.
+            for these the records of the datasets left are read, and a list is the one value.
 
         Raises
         ------
@@ -84,14 +84,20 @@ class Selection(Sequence[Entry]):
             registry has.
         """
         entries: Iterable[Entry] = self._entries
+        if "source" in criteria:  # first: the other criteria are those of the copy that is meant
+            ids = {entry.id for entry in entries}
+            copies = [entry for entry in self._universe if entry.id in ids]
+            entries = self._filtered(copies, "source", criteria["source"])
         for column, wanted in criteria.items():
-            if column == "source":
-                ids = {entry.id for entry in entries}
-                entries = [entry for entry in self._universe if entry.id in ids]
-            if column in PROPERTIES:
+            if column in PROPERTIES and column != "source":
                 entries = self._filtered(entries, column, wanted)
         for name in sorted(criteria.keys() - PROPERTIES.keys()):
             self._require_parameter_like(name)
+            if isinstance(criteria[name], Between):
+                raise UnitRangeError(
+                    f"{name} is a parameter of recipes, which are asked for by value, not by a "
+                    "range: write the value."
+                )
             entries = with_parameter(entries, name, criteria[name])
         return Selection(entries, self._universe)
 

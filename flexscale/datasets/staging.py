@@ -49,8 +49,8 @@ class FileCheckpoint:
     ) -> list[dict[str, Any]]:
         """Samples of the line in their order, bit for bit as appended; [] when there are none.
 
-        What a kill left half written, or does not fit its number, and all that follows it, is
-        ignored, and written over by what is appended.
+        What a kill left half written, or does not fit its number, is removed with all that
+        follows it, which went on from there.
         """
         samples: list[dict[str, Any]] = []
         while (sample := _read_sample(self._path(line_key, len(samples)))) is not None:
@@ -60,7 +60,14 @@ class FileCheckpoint:
                 break
             samples.append(sample)
         self._counts[line_key] = len(samples)
+        self._forget_behind(line_key)
         return samples
+
+    def _forget_behind(self, line_key: str) -> None:
+        first = self._path(line_key, self._counts[line_key])
+        for path in first.parent.glob("*.npz"):
+            if path.name >= first.name:
+                shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
 
     def append(self, line_key: str, sample: dict[str, Any]) -> None:
         """Store one more sample of the line, atomically.
@@ -70,7 +77,6 @@ class FileCheckpoint:
         data = _pack(sample)
         if line_key not in self._counts:
             self.load(line_key)
-        # Counting what is readable, not what is there, overwrites a damaged file and its tail.
         path = self._path(line_key, self._counts[line_key])
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, lambda file: file.write_bytes(data))

@@ -144,7 +144,9 @@ def follow_line(
             sample |= {"state": point.z, "rate": point.rate, "second_rate": point.second_rate}
             if way.unstable and before.curvature > 0.0:
                 _set_stiffness(problem, stiffness)
-                sample |= _bend_back(problem, line, point, before.curvature, options)
+                # Whether the way back is found does not depend on how long the way here took.
+                whole = options.for_a_sample()
+                sample |= _bend_back(problem, line, point, before.curvature, whole)
         yield sample
         if status == SolveStatus.converged:
             stiffness = sample.get("barrier_stiffness", 0.0)
@@ -269,7 +271,7 @@ def _advance(
         else:
             share *= 0.5
             if share < _SMALLEST_STEP or options.out_of_time:
-                return point, solution, way
+                return point, solution.given_up(options), way
 
 
 def _bend_back(

@@ -34,10 +34,11 @@ def serve(connection: Connection) -> None:
     from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.line import follow_line
 
-    problem = CellProblem(*connection.recv())
+    parts, problem = connection.recv(), None
     while True:
         line, solver, finished = connection.recv()
         try:
+            problem = problem or CellProblem(*parts)
             for sample in follow_line(problem, line, solver, finished):
                 connection.send((SAMPLE, sample))
         except Exception as error:

@@ -95,6 +95,8 @@ class LineWorkers:
                 worker.end()
         for thread in self.threads:
             thread.join()
+        for worker in self.workers:
+            worker.connection.close()
 
     def _serve(self) -> None:
         """Give lines to one worker until there are none; all that happens goes to `results`."""

@@ -189,7 +189,7 @@ def _advance(
         else:
             share *= 0.5
             if share < _SMALLEST_STEP or options.out_of_time:
-                return point, solution, spent
+                return point, solution.given_up(options), spent
 
 
 def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | None:

@@ -92,7 +92,7 @@ def _reach(
             break
         length *= 0.5
         log.debug("load step to %g cut to %g after %d", factor, length, cut)
-    return _step(here, solution, iterations)
+    return _step(here, solution.given_up(options), iterations)
 
 
 def _step(factor: float, solution: Solution, iterations: int) -> LoadStep:

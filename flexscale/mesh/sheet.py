@@ -140,9 +140,14 @@ def rectangle(length: float, width: float, size: float) -> SheetMesh:
     """[0, length] x [0, width] in nearly equilateral triangles with sides of about `size`, mm."""
     length, width = _sides(length, width)
     size = require_positive(size, "element size", "mm")
-    require_moderate_triangles(2.0 * length * width / (0.5 * np.sqrt(3.0) * size**2), size)
+    require_moderate_triangles(rectangle_triangles(length, width, size), size)
     cells = (round(length / size), round(width / (0.5 * np.sqrt(3.0) * size)))
     return staggered_rectangle(length, width, (max(1, cells[0]), max(1, cells[1])))
+
+
+def rectangle_triangles(length: float, width: float, size: float) -> float:
+    """About how many triangles of a size a rectangle has, mm."""
+    return float(2.0 * length * width / (0.5 * np.sqrt(3.0) * size**2))
 
 
 def require_moderate_triangles(expected: float, size: float) -> None:

@@ -17,6 +17,7 @@ from flexscale.patterns.corners import (
     successors,
 )
 from flexscale.patterns.symmetry import BoolArray, FloatArray
+from flexscale.tilings.lattice import reduction
 
 IDLE_TURN = 2e-5  # radians: where two tiles meet, a corner that turns less is none
 
@@ -53,6 +54,8 @@ def insert_junctions(
     tolerance : mm, how far a corner may lie off an edge.
     size : mm, of a tile.
     """
+    # Cells of long thin vectors would reach over many times the tiles.
+    lattice = reduction(lattice) @ lattice
     corners = np.concatenate(polygons)
     classes = np.concatenate(corner_classes(polygons, lattice, ROUNDING * size))
     _, first = np.unique(classes, return_index=True)

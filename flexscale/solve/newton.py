@@ -87,6 +87,10 @@ class Solution:
     unstable_iterations: int = 0
     decrement: float = np.inf
 
+    def given_up(self, options: SolverOptions) -> Solution:
+        """The same, with the true reason where time is what ended the attempts to reach it."""
+        return replace(self, status=SolveStatus.time_limit) if options.out_of_time else self
+
 
 @dataclass
 class _Penalty:

@@ -21,7 +21,7 @@ from flexscale.macro.polar import Variant
 from flexscale.macro.rigs import RigOptions
 from flexscale.macro.rim import Rim
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
-from flexscale.mesh.sheet import require_moderate_triangles
+from flexscale.mesh.sheet import rectangle_triangles, require_moderate_triangles
 from flexscale.steps.blocks import (
     BendingDirections,
     Block,
@@ -66,7 +66,7 @@ def _require_open(curvature: float, length: float) -> None:
 def _require_moderate(place: str, length: float, width: float, size: float) -> None:
     """Refuse a sheet [mm] of very many triangles."""
     with _named(place):
-        require_moderate_triangles(2.0 * length * width / size**2, size)
+        require_moderate_triangles(rectangle_triangles(length, width, size), size)
 
 
 class NativeSheetBlock(Block):

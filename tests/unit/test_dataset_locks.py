@@ -145,6 +145,24 @@ def test_a_number_used_again_is_another_process() -> None:
     assert not replace(me, started=me.started - 1, place="0" * 12).is_gone
 
 
+def test_processes_whose_start_is_hidden_are_not_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Clusters hide the processes of other accounts (hidepid)."""
+    me = Owner.of_this_process()
+    monkeypatch.setattr("flexscale.datasets.owner._start_time", lambda _: None)
+    assert not me.is_gone
+    assert not replace(me, started=0).is_gone
+
+
+def test_what_a_killed_process_left_is_taken_over_at_once(
+    tmp_path: Path, dead: Owner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    take_flock_away(monkeypatch, errno.ENOLCK)
+    (tmp_path / "lock.owner").mkdir()
+    (tmp_path / "lock.owner" / dead.token).touch()
+    with file_lock(tmp_path / "lock", 0.0, tell):
+        pass
+
+
 @pytest.mark.usefixtures("disk")
 def test_working_folders_of_others_stay(tmp_path: Path, dead: Owner) -> None:
     staging = tmp_path / ".staging"

@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 
 from flexscale.cli import main
+from flexscale.cli.data import _criterion
 from flexscale.datasets.catalog import CATALOG_FILE, update_catalog
 from flexscale.datasets.identity import Recipe
 from flexscale.datasets.registry import Registry, between, open_registry
@@ -129,6 +130,21 @@ def test_parameters_of_recipes_can_be_asked_for(alike: Registry) -> None:
     assert not alike.find(directions=[0])
     with pytest.raises(UnknownNameError, match="Did you mean 'directions'"):
         alike.find(directoins=[0, 90])
+    assert not alike.find(**{"mesh.across": 10**400})
+    with pytest.raises(UnitRangeError, match=r"mesh.across is a parameter .* by value, not by a"):
+        alike.find(**{"mesh.across": between(2, 4, "1")})
+
+
+def test_recipes_damaged_since_are_left_out(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    store = Store(tmp_path)
+    entry = store.publish(sweep(), "sweep", recipe())
+    registry = open_registry(tmp_path)
+    (entry.folder / "record.json").write_text('{"sizes": [1]}')
+    with pytest.raises(UnknownNameError, match="have these recipes"):
+        registry.find(directions=[0, 90])
+    assert "left out" in caplog.text
 
 
 def test_the_command_line_asks_for_the_same(
@@ -144,6 +160,8 @@ def test_the_command_line_asks_for_the_same(
     assert listed("source=local", "directions=0,90", "mesh.across=4") == 1
     assert listed("contact.enabled=true") == 2
     assert listed("pattern=hexagon,hexagon") == 3
+    assert _criterion("pattern=488,4.8") == ("pattern", ["488", "4.8"])
+    assert _criterion("gap=0.4") == ("gap", 0.4)
 
 
 def test_short_ids(registry: Registry) -> None:
@@ -234,6 +252,17 @@ def test_source_says_which_collection_is_meant(layered: Path) -> None:
         registry.find(source="referenec")
 
 
+def test_other_criteria_are_those_of_the_copy_that_is_meant(layered: Path) -> None:
+    path = layered / "local" / CATALOG_FILE
+    mine = open_registry(layered).find(source="local", gap=0.4).one()
+    path.write_text(path.read_text().replace(f",{mine.row['commit']},", ",abcdef0,"))
+    registry = open_registry(layered)
+    for first, second in (("local", "abcdef0"), ("reference", mine.row["commit"])):
+        for criteria in ({"source": first, "commit": second}, {"commit": second, "source": first}):
+            assert registry.find(gap=0.4, **criteria).one().source == first
+    assert not registry.find(source="reference", commit="abcdef0")
+
+
 def test_an_empty_source_is_no_error(registry: Registry) -> None:
     assert len(registry.find(source="reference")) == 0
 
@@ -306,6 +335,7 @@ def test_reindex_repairs_an_edited_catalog(tmp_path: Path) -> None:
         ("complete,18,0", "complete,18,19"),
         (",0.4,", ",nan,"),
         (",sweep,1,", ",\x1b[2J,1,"),
+        ("complete,18,0", f"complete,{10**400},0"),
     ],
 )
 def test_rows_that_cannot_be_true_are_not_believed(tmp_path: Path, old: str, new: str) -> None:

@@ -63,7 +63,10 @@ def test_damage_and_what_follows_is_ignored_and_overwritten(
     path.write_bytes(path.read_bytes()[:cut])
     fresh = FileCheckpoint(tmp_path)
     assert fresh.load("line") == [{"index": index} for index in range(damaged)]
-    for index in range(damaged, 3):
+    fresh.append("line", {"index": damaged, "again": True})
+    # A kill here: what followed the damaged sample went on from it, and must not come back.
+    assert len(FileCheckpoint(tmp_path).load("line")) == damaged + 1
+    for index in range(damaged + 1, 3):
         fresh.append("line", {"index": index, "again": True})
     assert [item["index"] for item in FileCheckpoint(tmp_path).load("line")] == [0, 1, 2]
 
@@ -147,7 +150,7 @@ def test_archives_grow_no_larger_than_their_file_and_pipes_are_not_waited_for(
     path = next(tmp_path.rglob("*.npz"))
     np.savez_compressed(path, structure=np.zeros(10**7, np.uint8))
     assert FileCheckpoint(tmp_path).load("line") == []
-    path.unlink()
+    assert not path.exists()
     os.mkfifo(path)
     assert FileCheckpoint(tmp_path).load("line") == []
 

@@ -12,6 +12,7 @@ import scipy.sparse as sp
 import flexscale as fs
 from flexscale.errors import ConfigError, UnitRangeError
 from flexscale.mechanics.contact import ContactSurface, ScaleContact
+from flexscale.solve.newton import Solution
 from flexscale.status import SolveStatus
 from flexscale.steps.experiment import parse_experiment
 
@@ -63,6 +64,14 @@ def test_a_sample_out_of_time_is_given_up_and_says_so() -> None:
     assert np.isnan(found.moment.values.ravel()[1:]).all()
     assert "time_limit" in found.status.attrs["flag_meanings"]
     assert "processor time" in SolveStatus.time_limit.sentence
+
+
+def test_attempts_that_time_ended_say_so() -> None:
+    state = np.zeros(1)
+    tried = Solution(state, None, 0.0, SolveStatus.line_search_failed, 3, 1.0, 0)
+    assert tried.given_up(fs.SolverOptions()) is tried
+    over = replace(fs.SolverOptions(), deadline=time.process_time() - 1.0)
+    assert tried.given_up(over).status == SolveStatus.time_limit
 
 
 def test_the_time_of_a_sample_runs_from_its_start() -> None:

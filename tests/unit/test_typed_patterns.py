@@ -48,6 +48,11 @@ def test_tiles_listed_cells_away_are_brought_near() -> None:
     assert far == near
 
 
+def test_long_thin_cells_are_as_quick() -> None:
+    """Sheared lattices have the same points; counting images must not grow with the shear."""
+    assert len(custom([SQUARE], (10, 0), (9e8, 10)).tiles) == 1
+
+
 def test_no_digits_left() -> None:
     small = 0.01 * np.array(SQUARE)
     with pytest.raises(PatternError, match=r"hold 5e-07 mm, too coarse .* nearer to the origin"):

@@ -35,7 +35,8 @@ class Layout:
     Attributes
     ----------
     direction : degree, direction of the pattern that lies along x, the length of a rectangle.
-    center : (2,) mm, point of the pattern that lies in the middle of the sheet.
+    center : (2,) mm, point of the pattern that lies in the middle of the sheet; of polygons that
+        were given, seen from the first corner of the first tile.
     border : "cut" scales at the border, or keep only those that are "whole".
     smallest_area : mm², cut pieces below this are left out; 5 % of a tile if not given.
     """

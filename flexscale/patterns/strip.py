@@ -42,8 +42,9 @@ def clip_strip(
     width : mm.
     direction : degree, of the strip in the pattern; a lattice vector must lie along it.
     periods : of the pattern along the strip, that the result has.
-    center : (2,) mm, point of the pattern in the middle of the width; else one such that the sides
-        cut off nothing too fine to mesh.
+    center : (2,) mm, point of the pattern (as its tiles have it: of polygons that were given, seen
+        from the first corner of the first tile) in the middle of the width; else one such that the
+        sides cut off nothing too fine to mesh.
 
     Raises
     ------

@@ -185,7 +185,7 @@ class MacroModel:
         return self.polar.law(angles, self._side(side), within=False), kappa
 
     def _side(self, side: str) -> int:
-        return self.sides.index(require_choice(side, "side", self.sides))
+        return self.sides.index(require_choice(side, "side of the model", self.sides))
 
     def to_dataset(self, recipe: Recipe | None = None) -> xr.Dataset:
         """Dataset of kind fit; all of the model is in it."""

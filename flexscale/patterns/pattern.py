@@ -126,7 +126,13 @@ class Pattern:
         self._set(family=tiling.family, tiling=tiling, tile_area=tile_area)
 
     @classmethod
-    @checked(tiles=polygons, t1=lattice_vector, t2=lattice_vector, **_OF_SCALES)
+    @checked(
+        tiles=polygons,
+        t1=lattice_vector,
+        t2=lattice_vector,
+        symmetrize=checks.flag,
+        **_OF_SCALES,
+    )
     def from_polygons(
         cls,
         tiles: Sequence[ArrayLike],
@@ -290,12 +296,12 @@ class Pattern:
         family = values.pop("family", CUSTOM)
         of_family = {"parameters", "edges", "tile_area"}
         shape = {"tiles", "lattice"} if family == CUSTOM else of_family
-        may_be = {"symmetrize"} if family == CUSTOM else set()
+        may_be = {"name", *SIZES, *MATERIALS} | ({"symmetrize"} if family == CUSTOM else set())
         for key in values:
-            if key not in shape | may_be | {"name", *SIZES, *MATERIALS}:
+            if key not in shape | may_be:
                 raise PatternError(
                     f"A pattern of family {family!r} has no key {key!r}. "
-                    f"{suggest(key, sorted(shape | {'name', *SIZES, *MATERIALS}))}"
+                    f"{suggest(key, sorted(shape | may_be))}"
                 )
         for key in MATERIALS:
             if key in values:

@@ -96,6 +96,8 @@ def test_materials(modulus: float, ratio: float, words: str) -> None:
     [
         ({"family": "IH76", "gapp": 0.4}, "Did you mean 'gap'"),
         ({"family": "IH76", "tiles": []}, "no key 'tiles'"),
+        ({"tiles": [SQUARE], "symetrize": True}, "Did you mean 'symmetrize'"),
+        ({"family": "IH76", "symmetrize": True}, "no key 'symmetrize'"),
         ({"family": "IH94"}, "IH94"),
         ({"family": "custom"}, "'tiles' and 'lattice'"),
         ({"tiles": [SQUARE], "lattice": [(10, 0)]}, "two vectors"),
@@ -117,6 +119,12 @@ def test_wrong_kinds_of_arguments() -> None:
         Pattern(Tiling("IH76")).with_(gaps=1.0)
     with pytest.raises(BadInputError, match="no parameter 'tile_area'"):
         custom([SQUARE], (10, 0), (0, 10)).with_(tile_area=1.0)
+
+
+@pytest.mark.parametrize("given", ["no", 1, None, np.array([True, False])])
+def test_whether_to_symmetrize_is_true_or_false(given: object) -> None:
+    with pytest.raises(BadInputError, match=r"^symmetrize is .*: give True or False\.$"):
+        custom([SQUARE], (10, 0), (0, 10), symmetrize=given)
 
 
 def _told_gap(error: pytest.ExceptionInfo[PatternError]) -> float:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from flexscale.errors import BadInputError, PatternError, TilingError, UnitRangeError
-from flexscale.patterns import NeoHookean, Pattern
+from flexscale.patterns import NeoHookean, Pattern, named_pattern
 from flexscale.tilings import Tiling
+from flexscale.units import AREAS
 from tests.unit.pattern_shapes import SQUARE, custom
 
 # Two blocks joined by a neck 1 mm wide, and the piece between the necks of two of them.
@@ -75,6 +76,21 @@ def test_gap_at_which_the_scale_falls_apart() -> None:
 def test_sizes(key: str, value: float, words: str) -> None:
     with pytest.raises(UnitRangeError, match=words):
         Pattern(Tiling("IH76"), **{key: value})
+
+
+@pytest.mark.parametrize("name", ["hexagon", "square", "pinwheel3", "chevron"])
+@pytest.mark.parametrize("area", AREAS)
+def test_areas_at_their_bounds(name: str, area: float) -> None:
+    pattern = named_pattern(name, tile_area=area, gap=1e-3, bond_radius=0.0)
+    assert pattern.tile_area == area
+    assert Pattern.from_config(pattern.to_config()) == pattern
+
+
+@pytest.mark.parametrize("side", [0.00999, 3163.0])
+def test_polygons_beyond_the_bounds_of_areas(side: float) -> None:
+    tile = side * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    with pytest.raises(UnitRangeError, match=r"tile area is .* between 0\.0001 mm² and 1"):
+        custom([tile], (side, 0.0), (0.0, side), gap=1e-3)
 
 
 @pytest.mark.parametrize(

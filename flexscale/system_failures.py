@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 
 from flexscale.errors import FlexScaleError
 
@@ -38,15 +39,19 @@ class SystemFailureError(FlexScaleError):
     exit_code = 4
 
 
-#: What libraries say, in lower case, where memory is short.
+#: Errors by which libraries tell what the machine refuses; the text of others may be a user's.
+_TELLING = (OSError, RuntimeError, ImportError, SystemError)
+#: What they say, in lower case, where memory is short.
 _NO_MEMORY_WORDS = (
-    "memoryerror",
     "bad_alloc",
     "cannot allocate memory",
     "can't start new thread",
     "failed to map segment",
     "out of memory",
 )
+_NO_MEMORY = f"There is not enough memory: {_LESS}."
+#: How the line of a log begins that tells of an exception: its name, with its modules.
+_EXCEPTION = re.compile(r"(?:\w+\.)*(\w*(?:Error|Exception))(?=:|$)")
 
 
 def explain(error: BaseException) -> SystemFailureError | None:
@@ -54,19 +59,37 @@ def explain(error: BaseException) -> SystemFailureError | None:
     if isinstance(error, OSError) and error.errno in _REMEDIES:
         where = f"{error.filename}: " if error.filename else ""
         return SystemFailureError(f"{where}{error.strerror}; {_REMEDIES[error.errno]}.")
-    told = explain_words(f"{type(error).__name__}: {error}")
+    if isinstance(error, MemoryError):
+        return SystemFailureError(_NO_MEMORY)
+    # The text of an error with a number holds the file's name too.
+    words = getattr(error, "strerror", None) or str(error)
+    told = _explain_line(words) if isinstance(error, _TELLING) else None
     return SystemFailureError(told) if told else None
 
 
 def explain_words(text: str) -> str | None:
-    """A sentence on the machine for what a library said last, None where it told no such thing."""
-    if any(words in text.lower() for words in _NO_MEMORY_WORDS):
-        return f"There is not enough memory: {_LESS}."
-    if "no locator available for file" in text:
+    """A sentence on the machine for the last lines of a log, None where they tell no such thing."""
+    names = {kind.__name__ for kind in _TELLING}
+    for line in map(str.strip, text.splitlines()):
+        exception = _EXCEPTION.match(line)
+        if exception and exception[1].endswith("MemoryError"):
+            return _NO_MEMORY
+        if exception is None or exception[1] in names:
+            told = _explain_line(line)
+            if told:
+                return told
+    return None
+
+
+def _explain_line(line: str) -> str | None:
+    """The sentence for what a library or the system said, None where it is nothing known."""
+    if any(words in line.lower() for words in _NO_MEMORY_WORDS):
+        return _NO_MEMORY
+    if "no locator available for file" in line:
         return (
             "There is no folder for compiled kernels that can be written: name one by the "
             "environment variable NUMBA_CACHE_DIR."
         )
-    if os.strerror(errno.ENOSPC).lower() in text.lower():
+    if os.strerror(errno.ENOSPC).lower() in line.lower():
         return f"The disk is full: {_ANOTHER_DISK}."
     return None

@@ -9,8 +9,13 @@ from flexscale.checks import checked, flag, number
 from flexscale.units import LENGTHS
 
 
+def _enabled(value: Any, label: str) -> bool:
+    """Check of whether there is contact, which says what the flag is of."""
+    return flag(value, "contact option enabled")
+
+
 @checked(
-    enabled=flag,
+    enabled=_enabled,
     activation=number("gap", 1e-6, 0.9, above=0.0, name="contact activation"),
     stiffness=number("1", 1e-6, 1e6, above=0.0, name="contact stiffness"),
     edge=number("mm", 0.0, LENGTHS[1], name="contact edge"),
@@ -22,8 +27,8 @@ class ContactOptions:
     Attributes
     ----------
     enabled : False leaves contact out; scales may then pass through each other.
-    activation : d_hat as a fraction of the gap; 0.005 to 0.01 keeps the onset within 1 %, and from
-        1 on scales would touch at rest.
+    activation : d_hat as a fraction of the gap, at most 0.9, since at 1 scales would touch at rest;
+        0.005 to 0.01 keeps the onset within 1 %.
     stiffness : factor on the barrier stiffness chosen from the sheet's own forces.
     edge : mm, radius of the part of a scale's surface over which a neighbor that touches a point of
         it presses: a printed edge is rounded by about the width of the nozzle. 0 presses at points;

@@ -110,6 +110,25 @@ def merge_corners(
     return split_like(merged, polygons)
 
 
+def farthest_merged(
+    polygons: Sequence[FloatArray], lattice: FloatArray, tolerance: float, limit: float
+) -> float:
+    """How far apart corners lie, in x or y, that `merge_corners` makes one, mm.
+
+    0 if none of them lie farther apart than a limit [mm].
+    """
+    corners = np.concatenate(polygons)
+    near = torus_neighbors(corners, lattice, tolerance)
+    steps = near.steps @ lattice
+    apart = np.abs(corners[near.second] - corners[near.first] - steps).max(axis=1, initial=0.0)
+    if not (apart > limit).any():
+        return 0.0
+    merged = np.concatenate(merge_corners(list(polygons), lattice, tolerance))
+    left = np.abs(merged[near.second] - merged[near.first] - steps).max(axis=1)
+    found = apart[(apart > limit) & (left < 1e-3 * limit)]
+    return float(found.max(initial=0.0))
+
+
 def _matched(polygons: list[FloatArray], near: Neighbors) -> IntArray:
     """Class (n,) of every corner: pairs are joined, the nearest first, unless a tile forbids it."""
     owners, _ = numbered(polygons)

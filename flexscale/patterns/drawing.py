@@ -23,6 +23,7 @@ HELD = 1e-6  # of a tile's size: where floats hold corners less finely, the patt
 FAR = 10.0  # cells: tiles listed farther from the first one are moved back by lattice vectors
 TYPED = 1.2  # units: half of one in both coordinates, and as much again of the images' mean
 SPREAD = 3.0  # units: two typed corners of one point may differ in both coordinates, and by t1, t2
+ONE_POINT = 1.5  # units: corners of one point that were rounded by themselves differ by one at most
 FINEST, COARSEST = 1e-7, 1e-4  # of a tile's size: bounds to the distance of corners that are one
 
 

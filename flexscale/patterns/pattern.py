@@ -14,6 +14,7 @@ from flexscale.checks import Check, checked, instance, length, number
 from flexscale.errors import PatternError, SchemaError, shown, suggest
 from flexscale.names import require_name
 from flexscale.patterns.cell import TiledCell, build_cell
+from flexscale.patterns.corners import ROUNDING
 from flexscale.patterns.drawing import read_drawing
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
 from flexscale.patterns.polygons import lattice_vector, polygons
@@ -126,7 +127,13 @@ class Pattern:
         self._set(family=tiling.family, tiling=tiling, tile_area=tile_area)
 
     @classmethod
-    @checked(tiles=polygons, t1=lattice_vector, t2=lattice_vector, **_OF_SCALES)
+    @checked(
+        tiles=polygons,
+        t1=lattice_vector,
+        t2=lattice_vector,
+        symmetrize=checks.flag,
+        **_OF_SCALES,
+    )
     def from_polygons(
         cls,
         tiles: Sequence[ArrayLike],
@@ -190,9 +197,7 @@ class Pattern:
             substrate_material=substrate_material,
             tiles=cell.tiles,
             lattice=cell.lattice,
-            tile_area=require_range(
-                float(np.linalg.det(cell.lattice)) / len(cell.tiles), "tile area", "mm²", *AREAS
-            ),
+            tile_area=_tile_area(cell),
             prototiles=prototiles,
             copies=copies,
         )
@@ -290,12 +295,12 @@ class Pattern:
         family = values.pop("family", CUSTOM)
         of_family = {"parameters", "edges", "tile_area"}
         shape = {"tiles", "lattice"} if family == CUSTOM else of_family
-        may_be = {"symmetrize"} if family == CUSTOM else set()
+        may_be = {"name", *SIZES, *MATERIALS} | ({"symmetrize"} if family == CUSTOM else set())
         for key in values:
-            if key not in shape | may_be | {"name", *SIZES, *MATERIALS}:
+            if key not in shape | may_be:
                 raise PatternError(
                     f"A pattern of family {family!r} has no key {key!r}. "
-                    f"{suggest(key, sorted(shape | {'name', *SIZES, *MATERIALS}))}"
+                    f"{suggest(key, sorted(shape | may_be))}"
                 )
         for key in MATERIALS:
             if key in values:
@@ -332,6 +337,15 @@ def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> floa
         return 2.0 * thickness
     largest = float(np.sqrt(np.linalg.det(cell.lattice) / len(cell.tiles)))
     return require_range(given, "bond radius", "mm", 0.0, largest)
+
+
+def _tile_area(cell: TiledCell) -> float:
+    """Mean area of the tiles, mm²."""
+    area = float(np.linalg.det(cell.lattice)) / len(cell.tiles)
+    # An area asked for at a bound may come out beyond it by rounding.
+    if (1.0 - ROUNDING) * AREAS[0] <= area <= (1.0 + ROUNDING) * AREAS[1]:
+        return area
+    return require_range(area, "tile area", "mm²", *AREAS)
 
 
 def _material(key: str, given: Any) -> NeoHookean:

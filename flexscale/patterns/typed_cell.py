@@ -7,8 +7,11 @@ from functools import cache
 
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import TiledCell, build_cell
+from flexscale.patterns.corners import farthest_merged
 from flexscale.patterns.drawing import (
     COARSEST,
+    FINEST,
+    ONE_POINT,
     Drawing,
     corner_tolerance,
     own_digits,
@@ -72,7 +75,21 @@ def _cell(drawing: Drawing) -> tuple[TiledCell, float]:
             f"The corners of neighboring tiles agree to {tolerance:.1g} mm only and are made one: "
             "more digits that agree would be kept."
         )
+    else:
+        _tell_merged(drawing, tolerance)
     return cell, unit
+
+
+def _tell_merged(drawing: Drawing, tolerance: float) -> None:
+    """Say so where corners are made one that differ by more than their last decimal."""
+    limit = max(ONE_POINT * drawing.unit, FINEST * drawing.size)
+    apart = farthest_merged(drawing.tiles, drawing.lattice, tolerance, limit)
+    if apart > 0.0:
+        say_once(
+            f"Corners of neighboring tiles that differ by {apart:.1g} mm are taken for one point, "
+            f"typed to {drawing.unit:.1g} mm: those that are two must lie more than "
+            f"{tolerance:.1g} mm apart."
+        )
 
 
 @cache

@@ -58,7 +58,8 @@ def save_figure(
     figure : the figure.
     folder, stem : where to; `stem` is a plain file name without ending.
     sources : the datasets drawn: ids ("sweep:3f9c2e71b0aa") or mappings with id and digests.
-    facts : further JSON-able entries, for instance a caption.
+    facts : further JSON-able entries, for instance a caption; numbers that are not finite become
+        null.
 
     Returns
     -------
@@ -71,7 +72,9 @@ def save_figure(
     paths = {ending: target / f"{stem}.{ending}" for ending in ("pdf", "png", "json")}
     listed = [dict(s) if isinstance(s, Mapping) else {"id": s} for s in sources]
     content = {"figure": stem, "sources": listed, **(facts or {})}
-    plain(content, "the figure's facts", null_for_nan=True)  # or they are refused
+    # Before any file: what cannot be stored is refused.
+    stored = plain(content, "the figure's facts", null_for_nan=True)
+    text_of_facts = json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False)
     try:
         target.mkdir(parents=True, exist_ok=True)
         with flexscale_style():
@@ -79,7 +82,6 @@ def save_figure(
                 part = _part(paths[ending])
                 figure.savefig(part, format=ending, metadata=metadata)
                 os.replace(part, paths[ending])
-        text_of_facts = json.dumps(content, indent=2, sort_keys=True, ensure_ascii=False)
         write_text(paths["json"], text_of_facts)
     except OSError as error:
         raise BadInputError(

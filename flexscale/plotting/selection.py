@@ -9,11 +9,10 @@ import xarray as xr
 
 from flexscale.checks import choices
 from flexscale.datasets.given import require_variables as require_variables
+from flexscale.datasets.variables import SIDES
 from flexscale.errors import BadInputError
 from flexscale.plotting.style import unit_text
 from flexscale.units import require_series
-
-SIDES = ("closing", "opening")
 
 
 def pick_sides(dataset: xr.Dataset, sides: str | Sequence[str] | None) -> list[str]:

@@ -7,7 +7,7 @@ import os
 import subprocess
 import time
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -120,16 +120,18 @@ def _stamp_finished(plan: Plan, store: Store, folder: Path) -> None:
 @contextmanager
 def _workplace(work: Path) -> Iterator[Workplace]:
     """The engine's folder; its log survives it."""
-    try:
-        with working_folder(work) as folder:
-            place = Workplace(folder)
-            try:
-                yield place
-            finally:
-                with suppress(OSError):
-                    os.replace(place.log, work / WORKFLOW / place.log.name)
-    except OSError as error:
-        raise _not_writable(work, error) from error
+    with ExitStack() as stack:
+        # Only here is it the folder: what the run itself meets is told as what it is.
+        try:
+            folder = stack.enter_context(working_folder(work))
+        except OSError as error:
+            raise _not_writable(work, error) from error
+        place = Workplace(folder)
+        try:
+            yield place
+        finally:
+            with suppress(OSError):
+                os.replace(place.log, work / WORKFLOW / place.log.name)
 
 
 @contextmanager

@@ -282,7 +282,7 @@ def parse_experiment(content: Any, where: str) -> Experiment:
     try:
         return Experiment.model_validate(content)
     except ValidationError as error:
-        mistakes = error.errors(include_url=False, include_context=False)
+        mistakes = error.errors(include_url=False)
         lines = [f"{where}: {_sentence(dict(item))}" for item in mistakes[:_MOST_MISTAKES]]
         if len(mistakes) > _MOST_MISTAKES:
             lines.append(f"{where}: and {len(mistakes) - _MOST_MISTAKES} more mistakes.")
@@ -302,7 +302,10 @@ def load_experiment(path: Path) -> Experiment:
 
 
 def _sentence(item: dict[str, Any]) -> str:
-    parts = (str(part) if isinstance(part, int) else shown(part)[1:-1] for part in item["loc"])
+    # Blocks of options are one value to pydantic: which of them is meant is told beside it.
+    option = item.get("ctx", {}).get("option")
+    loc = (*item["loc"], *([option] if option else []))
+    parts = (str(part) if isinstance(part, int) else shown(part)[1:-1] for part in loc)
     place = ".".join(parts) or "top level"
     message = str(item["msg"])
     given = item.get("input")

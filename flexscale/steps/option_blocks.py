@@ -83,10 +83,14 @@ def _read(options: type[Options], value: Any) -> Any:
 
 
 def _value(field: OptionField, given: Any) -> Any:
-    """A number with its unit, where the option is a number."""
+    """A number with its unit, where the option is a number; a refusal tells which `option`."""
     if isinstance(field.default, bool) or not isinstance(field.default, int | float):
         return given
-    return Quantity(field.unit or "1").read(given)
+    try:
+        return Quantity(field.unit or "1").read(given)
+    except PydanticCustomError as error:
+        facts = (error.context or {}) | {"option": field.name}
+        raise PydanticCustomError(error.type, error.message_template, facts) from error
 
 
 _as_config = PlainSerializer(lambda options: options.to_config())

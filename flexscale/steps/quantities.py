@@ -114,7 +114,13 @@ def _is_finite(number: Any) -> bool:
 
 
 def _refuse(value: Any, unit: str) -> PydanticCustomError:
-    known = ", ".join(UNITS.get(unit, {})) or "none"
+    if unit not in UNITS:
+        return PydanticCustomError(
+            "quantity",
+            "{value} is not a number: write a plain number, without a unit",
+            {"value": shown(value)},
+        )
+    known = ", ".join(UNITS[unit])
     return PydanticCustomError(
         "quantity",
         "{value} is not a value in {unit}: write a plain number, or a number and one of the "

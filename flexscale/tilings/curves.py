@@ -92,6 +92,7 @@ def _read_points(family: Family, letter: str, curve: Any) -> FloatArray:
         points = require_array(curve, "the curve", "1")
     except UnitRangeError:
         points = np.empty(0)
+        _require_finite_points(curve, where)
     if points.ndim != 2 or points.shape[1:] != (2,) or not 2 <= len(points) <= MOST_POINTS:
         raise TilingError(
             f"{where} must be 2 to {MOST_POINTS} points (x, y), all finite, from (0, 0) to (1, 0), "
@@ -109,6 +110,21 @@ def _read_points(family: Family, letter: str, curve: Any) -> FloatArray:
             f"{number + 1}: give it once."
         )
     return points
+
+
+def _require_finite_points(curve: Any, where: str) -> None:
+    """Refuse the first point that is not finite, by its number; what are no points passes."""
+    try:
+        points = np.asarray(curve if len(curve) <= MOST_POINTS else ())
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        return
+    floats = points.dtype.kind == "f" and points.ndim == 2 and points.shape[1] == 2
+    if floats and not np.isfinite(points).all():
+        number = int(np.argmin(np.isfinite(points).all(axis=1)))
+        raise TilingError(
+            f"{where} has the point {_text(points[number])}, number {number}: give two finite "
+            "numbers."
+        )
 
 
 def _sample(curve: Callable[[float], Any]) -> list[Any]:

@@ -235,7 +235,7 @@ def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
         ({"shortenings": [40.0]}, BadInputError, "stay below its length"),
         ({"sides": ["sideways"]}, UnknownNameError, "sideways"),
         ({"length": -1.0}, UnitRangeError, "strip length"),
-        ({"width": 0.0}, UnitRangeError, "width is 0"),
+        ({"width": 0.0}, UnitRangeError, "strip width is 0 mm, but must be positive"),
         ({"width": 1.0}, PatternError, "smaller than one cell"),
         ({"direction": np.nan}, UnitRangeError, "direction"),
     ],

@@ -125,6 +125,30 @@ def test_a_full_disk_is_told(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         run("exit 1")
 
 
+def test_a_log_that_only_speaks_of_memory_hides_no_bug(run: Any) -> None:
+    """A user's name in an error's text, or a line of code that is shown with it."""
+    said = r"raise ValueError(MemoryError)\nValueError: pattern named out of memory, MemoryError"
+    with pytest.raises(FlexScaleError, match="pattern named out of memory") as caught:
+        run(f"printf '{said}\\n'; exit 3")
+    assert caught.value.exit_code == 1
+
+
+def test_what_the_run_meets_is_not_told_of_the_folder(
+    tmp_path: Path, plan: Plan, experiment: Experiment, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine_process, "_command", lambda *_: ["/no/such/program"])
+    with pytest.raises(FileNotFoundError, match="/no/such/program"):
+        list(run_plan(plan, experiment, Store(tmp_path), 1))
+    assert list((tmp_path / "local" / ".staging").iterdir()) == []
+
+
+def test_a_working_folder_that_cannot_be_made_is_told(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "local").mkdir()
+    (tmp_path / "local" / ".staging").write_text("in the way")
+    with pytest.raises(SystemFailureError, match="local cannot be written: File exists"):
+        run("true")
+
+
 def test_an_engine_asked_to_end_is_not_a_bug(run: Any) -> None:
     said = f"echo '{engine_process._ASKED_TO_END} (scheduler).'; exit 1"
     with pytest.raises(ProcessEndedError, match="was asked to end, from outside"):

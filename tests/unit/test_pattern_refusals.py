@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from flexscale.errors import BadInputError, PatternError, TilingError, UnitRangeError
-from flexscale.patterns import NeoHookean, Pattern
+from flexscale.patterns import NeoHookean, Pattern, named_pattern
 from flexscale.tilings import Tiling
+from flexscale.units import AREAS
 from tests.unit.pattern_shapes import SQUARE, custom
 
 # Two blocks joined by a neck 1 mm wide, and the piece between the necks of two of them.
@@ -77,6 +78,21 @@ def test_sizes(key: str, value: float, words: str) -> None:
         Pattern(Tiling("IH76"), **{key: value})
 
 
+@pytest.mark.parametrize("name", ["hexagon", "square", "pinwheel3", "chevron"])
+@pytest.mark.parametrize("area", AREAS)
+def test_areas_at_their_bounds(name: str, area: float) -> None:
+    pattern = named_pattern(name, tile_area=area, gap=1e-3, bond_radius=0.0)
+    assert pattern.tile_area == area
+    assert Pattern.from_config(pattern.to_config()) == pattern
+
+
+@pytest.mark.parametrize("side", [0.00999, 3163.0])
+def test_polygons_beyond_the_bounds_of_areas(side: float) -> None:
+    tile = side * np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    with pytest.raises(UnitRangeError, match=r"tile area is .* between 0\.0001 mm² and 1"):
+        custom([tile], (side, 0.0), (0.0, side), gap=1e-3)
+
+
 @pytest.mark.parametrize(
     ("modulus", "ratio", "words"),
     [
@@ -96,6 +112,8 @@ def test_materials(modulus: float, ratio: float, words: str) -> None:
     [
         ({"family": "IH76", "gapp": 0.4}, "Did you mean 'gap'"),
         ({"family": "IH76", "tiles": []}, "no key 'tiles'"),
+        ({"tiles": [SQUARE], "symetrize": True}, "Did you mean 'symmetrize'"),
+        ({"family": "IH76", "symmetrize": True}, "no key 'symmetrize'"),
         ({"family": "IH94"}, "IH94"),
         ({"family": "custom"}, "'tiles' and 'lattice'"),
         ({"tiles": [SQUARE], "lattice": [(10, 0)]}, "two vectors"),
@@ -117,6 +135,12 @@ def test_wrong_kinds_of_arguments() -> None:
         Pattern(Tiling("IH76")).with_(gaps=1.0)
     with pytest.raises(BadInputError, match="no parameter 'tile_area'"):
         custom([SQUARE], (10, 0), (0, 10)).with_(tile_area=1.0)
+
+
+@pytest.mark.parametrize("given", ["no", 1, None, np.array([True, False])])
+def test_whether_to_symmetrize_is_true_or_false(given: object) -> None:
+    with pytest.raises(BadInputError, match=r"^symmetrize is .*: give True or False\.$"):
+        custom([SQUARE], (10, 0), (0, 10), symmetrize=given)
 
 
 def _told_gap(error: pytest.ExceptionInfo[PatternError]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from flexscale.errors import BadInputError, UnknownNameError
+from flexscale.errors import BadInputError, ConfigError, UnknownNameError
 from flexscale.findings import Evidence, Finding
 from flexscale.plotting import polar, save_figure
 from flexscale.plotting.figure_scripts import find_scripts
@@ -119,6 +119,22 @@ def test_a_stem_with_a_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(BadInputError, match=r"\.\./p"):
         save_figure(polar(two_regime_sweep(4)), tmp_path, "../p", sources=[])
     assert not list(tmp_path.iterdir())
+
+
+def test_facts_are_plain_data_or_refused_before_any_file(tmp_path: Path) -> None:
+    figure = polar(two_regime_sweep(4))
+    with pytest.raises(ConfigError, match=r"facts\.when is a object"):
+        save_figure(figure, tmp_path / "new", "p", sources=[], facts={"when": object()})
+    assert not list(tmp_path.iterdir())
+    facts = {"n": np.int64(3), "values": np.array([0.5, np.nan]), "worst": float("inf")}
+    told = save_figure(figure, tmp_path, "p", sources=[], facts=facts)["json"].read_text()
+    assert json.loads(told, parse_constant=pytest.fail) == {
+        "figure": "p",
+        "sources": [],
+        "n": 3,
+        "values": [0.5, None],
+        "worst": None,
+    }
 
 
 def test_a_figure_is_drawn_once_and_again_when_its_data_change(

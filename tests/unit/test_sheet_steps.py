@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,9 @@ from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from flexscale.status import SolveStatus
 from flexscale.steps.base import Resources
 from flexscale.steps.catalog import STEPS
+from flexscale.steps.engine_process import snakefile
 from flexscale.steps.experiment import load_experiment, parse_experiment
-from flexscale.steps.figures import FIGURES, draw_dataset
+from flexscale.steps.figures import FIGURE, FIGURES, draw_dataset
 from flexscale.steps.plan import Plan, build_plan
 from flexscale.steps.summary import failed_samples
 from tests.unit.fit_samples import law_sweep, tangent
@@ -82,6 +84,19 @@ def test_a_native_strip_needs_no_fit() -> None:
     parameters = STEPS["native_rig"].parameters.model_validate(job.recipe.parameters)
     assert parameters.model_dump()["shortenings"] == (1.0, 2.0)
     assert STEPS["native_rig"].resumable
+
+
+def test_every_step_and_the_figures_have_a_rule_of_the_workflow() -> None:
+    rules = re.findall(
+        r"^for STEP in \((.+)\):\n\n    rule:\n        name:\n            STEP\n",
+        snakefile().read_text(),
+        re.MULTILINE,
+    )
+    assert rules == ["*STEPS, FIGURE"]
+    jobs = [job for file in WORKFLOWS.glob("*.yaml") for job in build_plan(load_experiment(file))]
+    assert {job.step for job in jobs} == {*STEPS, FIGURE}
+    # A rule asks for what the stamp's name holds behind its own.
+    assert all(job.id.startswith(f"{job.step}-") for job in jobs)
 
 
 def test_the_workflow_of_the_rigs_uses_the_sweep_of_the_named_patterns() -> None:

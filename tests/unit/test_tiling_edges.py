@@ -108,7 +108,15 @@ def test_a_pattern_keeps_its_curves() -> None:
         ({"family": "IH01", "edges": {"a": [(0, 0)]}}, ["'a'", "IH01", "2 to 100000 points"]),
         ({"family": "IH01", "edges": {"a": [(0, 0), (0.5, 0.1)]}}, ["(1, 0)", "(0.5, 0.1)"]),
         ({"family": "IH01", "edges": {"a": [(0, 0.2), (1, 0)]}}, ["(0, 0)", "(0, 0.2)"]),
-        ({"family": "IH01", "edges": {"a": [(0, 0), (np.inf, 0), (1, 0)]}}, ["finite", "IH01"]),
+        (
+            {"family": "IH01", "edges": {"a": [(0, 0), (np.inf, 0), (1, 0)]}},
+            ["'a'", "IH01", "has the point (inf, 0), number 1: give two finite numbers."],
+        ),
+        (
+            {"family": "IH01", "edges": {"a": lambda t: (t, 0.1 if t < 0.9 else np.nan)}},
+            ["(0.90625, nan), number 29", "finite"],
+        ),
+        ({"family": "IH01", "edges": {"a": [(0, 0), ("x", 0), (1, 0)]}}, ["all finite", "'x'"]),
         ({"family": "IH01", "edges": {"a": [(0, 0), (0, 0), (1, 0)]}}, ["twice", "0 and 1"]),
         ({"family": "IH04", "edges": {"b": CURVE}}, ["'b' (S)", "half turn", "first half"]),
         ({"family": "IH04", "edges": {"b": [(0, 0), (0.5, 0.1)]}}, ["(0.5, 0)", "(0.5, 0.1)"]),

@@ -133,6 +133,33 @@ def test_lattice_with_more_digits_than_the_tiles() -> None:
     assert pattern.symmetry().group == "p6m"
 
 
+def shifted_rows(shift: float) -> Pattern:
+    """2 x 30 bricks, every second row of which is shifted [mm], typed with 4 decimals."""
+    starts = [(10 * column + shift * (row % 2), 10 * row) for row in range(30) for column in (0, 1)]
+    tiles = [np.round(np.add(SQUARE, start), 4) for start in starts]
+    return custom(tiles, (20, 0), (0, 300))
+
+
+@pytest.mark.parametrize(
+    ("shift", "corners", "said"),
+    [
+        (0.0001, 4, ""),
+        (0.0002, 4, "differ by 0.0002 mm are taken for one point, typed to 0.0001 mm: those"),
+        (0.0003, 4, "differ by 0.0003 mm are taken for one point, typed to 0.0001 mm: those"),
+        (0.0005, 6, "nearly p4m, off by 0.0003 mm, and is computed as pmg"),
+    ],
+)
+def test_corners_that_differ_by_more_than_rounding_are_told_when_made_one(
+    shift: float, corners: int, said: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    say_once.cache_clear()
+    with caplog.at_level(logging.WARNING):
+        tiles = [tile for _ in range(2) for tile in shifted_rows(shift).tiles]
+    assert {len(tile) for tile in tiles} == {corners}
+    assert len(caplog.records) == bool(said)
+    assert said in caplog.text
+
+
 ROOT = np.sqrt(57.0)
 # The pentagon of type 14 as it is published: heights to 5 or 6 decimals, widths exact.
 TYPE_14 = [

@@ -19,10 +19,10 @@ import numpy as np
 from report import output_file, report
 
 import flexscale as fs
+from flexscale.arrays import FloatArray
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.shell import HctShell
 from flexscale.mechanics.substrate_options import BENDING_MEASURES
 from flexscale.mesh.torus import build_mesh
@@ -61,7 +61,7 @@ def row(family: str, direction: float, measure: str) -> str:
     pattern = fs.Pattern(fs.Tiling(family))
     options = fs.SubstrateOptions(bending_measure=measure)
     mesh = build_mesh(pattern, fs.MeshOptions())
-    problem = CellProblem(mesh, CellModel.of_pattern(pattern, substrate=options))
+    problem = CellProblem(mesh, CellModel.of_pattern(pattern, fs.NativeModel(substrate=options)))
     line = Line("opening", direction, CURVATURES)
     samples = list(follow_line(problem, line, SolverOptions()))
     done = [sample for sample in samples if sample["status"] == 0]

@@ -20,9 +20,9 @@ import numpy as np
 from report import output_file, report
 
 import flexscale as fs
+from flexscale.arrays import FloatArray
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.newton import Solution, solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus

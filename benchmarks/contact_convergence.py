@@ -37,7 +37,9 @@ def measure(
 ) -> str:
     """One row: the curve on one mesh."""
     start = time.perf_counter()
-    problem = CellProblem.from_pattern(fs.Pattern(fs.Tiling("IH76")), mesh, contact=contact)
+    problem = CellProblem.from_pattern(
+        fs.Pattern(fs.Tiling("IH76")), fs.NativeModel(contact=contact, mesh=mesh)
+    )
     line = Line("closing", direction, CURVATURES)
     samples = list(follow_line(problem, line, SolverOptions()))
     seconds = time.perf_counter() - start

@@ -58,7 +58,7 @@ SLICER = [
 # The kernel's own peak of this program: what a process reports to its parent counts from the fork.
 COMMAND = """
 import re, sys, time
-from flexscale.cli.main import app
+from flexscale.cli.main import (app)
 app(sys.argv[1:], standalone_mode=False)
 peak = re.search(r"VmHWM:\\s*(\\d+) kB", open("/proc/self/status").read())[1]
 print(f"{time.process_time():.1f} {int(peak) / 1024:.0f}", file=sys.stderr)

@@ -144,8 +144,8 @@ def _native() -> list[Call]:
 
 def _models(datasets: dict[str, Any]) -> list[Call]:
     model = fs.MacroModel.from_dataset(datasets["fit"])
-    tangent = fs.tangent_stiffness(fs.named_pattern("square"), mesh=COARSE)
-    gaps = fs.gap_model(fs.named_pattern("square"), mesh=COARSE)
+    tangent = fs.tangent_stiffness(fs.named_pattern("square"), model=fs.NativeModel(mesh=COARSE))
+    gaps = fs.gap_model(fs.named_pattern("square"), model=fs.NativeModel(mesh=COARSE))
     sheet = fs.simulate_sheet(model, length=40.0, width=20.0, curvature=0.01,
                               options=fs.SheetOptions(size=10.0))  # fmt: skip
     bend: dict[str, Any] = {"curvature": 0.01, "direction": [0.0, 30.0], "side": "closing"}

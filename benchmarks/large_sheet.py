@@ -90,8 +90,10 @@ def sides_and_strips(native: xr.Dataset, cell: float) -> list[str]:
     rows = []
     for x, y in ((1.0, 1.0), (0.5, 1.0), (1.0, 0.5)):
         length, width = x * float(native["length"]), y * float(native["width"])
-        sheet = NativeSheet(pattern, length, width, direction, mesh=mesh)
-        strip = FreeStrip(pattern, width, direction, center=sheet.tiles.center, mesh=mesh)
+        sheet = NativeSheet(pattern, length, width, direction, native=fs.NativeModel(mesh=mesh))
+        strip = FreeStrip(
+            pattern, width, direction, center=sheet.tiles.center, native=fs.NativeModel(mesh=mesh)
+        )
         held, free = (
             [*follow_line(problem, line, SolverOptions())][-1]["energy_density"]
             for problem in (sheet, strip)
@@ -145,11 +147,15 @@ def against_native(registry: Registry, entry) -> list[str]:
     rows.append(f"| law alone | {' | '.join(f'{v:.3f}' for v in np.array(law) / energies)} | |")
     cells = [
         fs.sweep(
-            fs.named_pattern(pattern), [float(native["direction"])], [0.0, *map(float, kappa)],
-            sides=[SIDE], mesh=mesh, workers=1,
+            fs.named_pattern(pattern),
+            [float(native["direction"])],
+            [0.0, *map(float, kappa)],
+            sides=[SIDE],
+            workers=1,
+            model=fs.NativeModel(mesh=mesh),
         )["energy_density"].values.ravel()[1:]
-        for mesh in (_mesh_of(native), None)
-    ]  # fmt: skip
+        for mesh in (_mesh_of(native), fs.MeshOptions())
+    ]
     rows.append(
         f"| cell of this mesh, over the default's | "
         f"{' | '.join(f'{v:.3f}' for v in cells[0] / cells[1])} | |"

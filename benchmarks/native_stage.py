@@ -47,7 +47,9 @@ def mesh_convergence() -> list[str]:
     rows = []
     for factor in (0.5, 1.0):
         start = time.perf_counter()
-        stage = NativeStage(pattern, tiles, mesh=fs.MeshOptions().finer(factor))
+        stage = NativeStage(
+            pattern, tiles, native=fs.NativeModel(mesh=fs.MeshOptions().finer(factor))
+        )
         forces, pairs = [], []
         for side, shortenings in SQUARES.items():
             samples = list(follow_shortenings(stage, shortenings, side, SolverOptions()))
@@ -83,7 +85,7 @@ def cell_ratios(pattern: fs.Pattern, mesh: fs.MeshOptions, direction: float) -> 
     along = np.array([cosine**2, sine**2, 2.0 * cosine * sine])
     flat, free = [], []
     for options in (mesh, None):
-        tangent = fs.tangent_stiffness(pattern, mesh=options)
+        tangent = fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=options))
         flat.append(float(tangent.stiffness(direction)))
         free.append(1.0 / float(along @ np.linalg.solve(tangent.matrix, along)))
     return flat[0] / flat[1], free[0] / free[1]
@@ -99,7 +101,9 @@ def costs_of(
     pattern = fs.Pattern.from_config(settings["pattern"])
     mesh = fs.MeshOptions(**settings["mesh"])
     start = time.perf_counter()
-    stage = NativeStage(pattern, clip_pattern(pattern, *sizes, glued=False), mesh=mesh)
+    stage = NativeStage(
+        pattern, clip_pattern(pattern, *sizes, glued=False), native=fs.NativeModel(mesh=mesh)
+    )
     built = time.perf_counter() - start
     ratios = cell_ratios(pattern, mesh, sizes[2])
     return len(stage.active), built, iteration_seconds(stage), *ratios

@@ -26,8 +26,8 @@ import xarray as xr
 from report import report
 
 import flexscale as fs
-from flexscale.datasets.build import build_sweep_dataset
 from flexscale.datasets.identity import Recipe
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.datasets.store import Store
 
 BATCH = 100

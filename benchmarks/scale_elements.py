@@ -58,7 +58,9 @@ def measure(name: str, direction: float, mesh: fs.MeshOptions, scales: fs.ScaleO
     """One pattern with one kind of scale on one mesh."""
     start = time.perf_counter()
     contact = fs.ContactOptions(enabled=False)
-    problem = CellProblem.from_pattern(fs.named_pattern(name), mesh, contact=contact, scales=scales)
+    problem = CellProblem.from_pattern(
+        fs.named_pattern(name), fs.NativeModel(contact=contact, scales=scales, mesh=mesh)
+    )
     setup = time.perf_counter() - start
     cell = problem.bent(Bend(1e-4, 0.3))
     best = float("inf")

@@ -19,9 +19,10 @@ from report import output_file, report
 from substrate_elements import SMOOTH, UNIFORM, measure, options
 
 import flexscale as fs
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.mechanics.energy import FloatArray, IntArray, block_pairs
+from flexscale.mechanics.energy import block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mesh.torus import build_mesh
 
@@ -165,9 +166,11 @@ def triangles_report() -> list[str]:
     pattern = fs.Pattern(fs.Tiling("IH76"))
     problem = CellProblem.from_pattern(
         pattern,
-        options(4, 0.05, 0.05),
-        contact=fs.ContactOptions(enabled=False),
-        substrate=fs.SubstrateOptions("edge_angle"),
+        fs.NativeModel(
+            contact=fs.ContactOptions(enabled=False),
+            substrate=fs.SubstrateOptions("edge_angle"),
+            mesh=options(4, 0.05, 0.05),
+        ),
     )
     y = problem.embedding.world_map.place(problem.embedding.rest, Bend(0.0, 0.0)).y
     sheet = problem.energies[:2]

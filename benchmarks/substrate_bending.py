@@ -42,8 +42,13 @@ def table(family: str) -> list[str]:
         element = " ".join(substrate.to_config().values())
         start = time.perf_counter()
         data = fs.sweep(
-            pattern, [0.0], CURVATURES, mesh=mesh, substrate=substrate, symmetry=False, workers=1,
-        )  # fmt: skip
+            pattern,
+            [0.0],
+            CURVATURES,
+            symmetry=False,
+            workers=1,
+            model=fs.NativeModel(mesh=mesh, substrate=substrate),
+        )
         seconds = time.perf_counter() - start
         moments = data.moment.sel(direction=0.0, curvature=list(SHOWN)).values
         cells = [element, name, *(f"{m:.4g}" for m in moments.ravel())]

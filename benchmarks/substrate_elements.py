@@ -77,7 +77,9 @@ def measure(family: str, element: str, mesh: fs.MeshOptions, crossed: bool = Fal
     pattern = fs.Pattern(fs.Tiling(family), scale_material=RIGID)
     torus = build_mesh(pattern, mesh)
     torus = cross_gaps(torus) if crossed else torus
-    model = CellModel.of_pattern(pattern, NO_CONTACT, substrate=fs.SubstrateOptions(element))
+    model = CellModel.of_pattern(
+        pattern, fs.NativeModel(substrate=fs.SubstrateOptions(element), contact=NO_CONTACT)
+    )
     problem = CellProblem(torus, model)
     tangent = solve_tangent(problem)
     cell = problem.bent(Bend(0.0, 0.0))

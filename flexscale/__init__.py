@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
+    from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
     from flexscale.homogenize.native_stage_dataset import simulate_native_stage
     from flexscale.homogenize.sweep import sweep
@@ -49,6 +50,7 @@ __all__ = [
     "GapModel",
     "MacroModel",
     "MeshOptions",
+    "NativeModel",
     "NeoHookean",
     "Pattern",
     "RigOptions",
@@ -84,6 +86,7 @@ _HOMES = {
     "GapModel": "flexscale.macro.gap_model",
     "MacroModel": "flexscale.macro.model",
     "MeshOptions": "flexscale.mesh.options",
+    "NativeModel": "flexscale.homogenize.native_model",
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",

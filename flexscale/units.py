@@ -14,13 +14,10 @@ import numbers
 from collections.abc import Sequence, Sized
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import UnitRangeError, shown
 
-FloatArray = NDArray[np.float64]
-
-#: mm, bounds of everything that has a length: below a micrometer sheets and scales are no continua,
 #: and beyond some 10 m the tolerances of geometry, in parts of a millimeter, lose their meaning.
 LENGTHS = (1e-3, 1e4)
 #: mm2, bounds of tiles: those of squares with sides within the bounds of lengths, to 1 m2 and more.

@@ -22,13 +22,7 @@ from flexscale.plotting.macro_polar import (
 from flexscale.plotting.polar_axes import polar_axes
 from flexscale.plotting.scene import draw_pattern
 from flexscale.plotting.selection import pick_values, subject
-from flexscale.plotting.style import (
-    PAGE_WIDTH,
-    add_note,
-    flexscale_style,
-    moment_label,
-    new_figure,
-)
+from flexscale.plotting.style import PAGE_WIDTH, add_note, flexscale_style, moment_label, new_figure
 
 _COMMAND = "flexscale run workflows/named_patterns.yaml"
 PATTERNS = {"hexagon": "IH20", "square": "IH76", "chevron": "IH64", "threefold": "IH07"}

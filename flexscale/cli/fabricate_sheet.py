@@ -10,9 +10,10 @@ from flexscale.datasets.identity import SHORT_DIGEST
 from flexscale.fabricate import Grooves, Layout, Printer, printable_sheet
 from flexscale.fabricate.files import require_room, sheet_name, write_sheet
 from flexscale.fabricate.report import report_lines
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
-from flexscale.steps.catalog import STEPS, CellParameters
+from flexscale.steps.catalog import STEPS
 
 
 def make_sheet(
@@ -45,6 +46,6 @@ def make_sheet(
 
 def cell_dataset(pattern: Pattern, mesh: MeshOptions) -> dict[str, str]:
     """Id and recipe digest that the pattern's cell has in any results folder, stored or not."""
-    config = {"pattern": pattern.to_config(), "mesh": mesh.to_config()}
-    digest = STEPS["cell"].recipe(CellParameters.model_validate(config)).digest()
+    step = STEPS["cell"]
+    digest = step.recipe(step.parameters(pattern, NativeModel(mesh=mesh), step.block())).digest()
     return {"id": f"cell:{digest[:SHORT_DIGEST]}", "recipe_digest": digest}

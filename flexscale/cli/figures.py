@@ -8,13 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.registry import Registry, open_registry
-from flexscale.errors import (
-    BadInputError,
-    ConfigError,
-    MissingDataError,
-    UnknownNameError,
-    suggest,
-)
+from flexscale.errors import BadInputError, ConfigError, MissingDataError, UnknownNameError, suggest
 from flexscale.findings import all_findings
 from flexscale.plotting.figure_scripts import FigureScript, find_scripts
 from flexscale.plotting.figures import draw_figure

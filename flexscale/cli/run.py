@@ -14,7 +14,7 @@ from flexscale.datasets.store import Store
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.engine import finished_jobs, run_plan
 from flexscale.steps.estimate import estimate_seconds
-from flexscale.steps.experiment import Experiment, load_experiment
+from flexscale.steps.experiment import Experiment, ExperimentFile, load_experiment
 from flexscale.steps.plan import Job, Plan, build_plan
 from flexscale.steps.summary import describe_experiment, outcome
 
@@ -154,4 +154,4 @@ def _all_cores() -> int:
 
 def list_fields() -> str:
     """What an experiment file may contain: key, unit, default, bounds, meaning."""
-    return describe_experiment(Experiment)
+    return describe_experiment(ExperimentFile)

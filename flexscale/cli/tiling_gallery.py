@@ -6,16 +6,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.patterns.named import named_patterns
 from flexscale.plotting.picture_file import require_picture_path, write_picture
 from flexscale.plotting.tiling_gallery import GalleryPanel, gallery
 from flexscale.tilings import Family, Tiling, families
 
-FloatArray = NDArray[np.float64]
-
-#: Parameters without meaning, large enough to be seen; a family takes as many as it has.
 PARAMETERS = (0.12, -0.09, 0.13, -0.08, 0.11, -0.1)
 _HEIGHT = 0.115  # of the curves, in edge lengths
 _DECAY = 0.88  # each next class has lower curves, so that no two classes look the same

@@ -8,12 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import ConfigError
 from flexscale.tilings.curves import CURVE_TOLERANCE
-
-FloatArray = NDArray[np.float64]
 
 
 def read_parameters(text: str | None) -> list[float] | None:

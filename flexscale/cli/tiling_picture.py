@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import TilingError
 from flexscale.plotting.outline_contacts import outline_contacts
 from flexscale.plotting.tiling import TilingPicture
@@ -17,8 +18,6 @@ from flexscale.tilings.curves import read_curves
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from flexscale.tilings.outline import build_outline, signed_area
 from flexscale.tilings.symbols import IncidenceSymbol
-
-FloatArray = NDArray[np.float64]
 
 _LINE_LENGTH = 140  # characters under a picture
 

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from flexscale.checks import ANGLE, checked, number, text
-from flexscale.datasets.variables import ONE_SIDE
 from flexscale.errors import MissingDataError, UnknownNameError, suggest
+from flexscale.sides import ONE_SIDE
 
 #: Share of a step of the grid by which an asked value may miss its sample.
 ROUNDED = 1e-3

@@ -8,159 +8,19 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 import flexscale.datasets.accessor  # noqa: F401  (registers `dataset.fs`)
-from flexscale.datasets.fit_values import PARAMETERS
 from flexscale.datasets.identity import Recipe, plain
 from flexscale.datasets.provenance import code_version
-from flexscale.datasets.schema import schema_of
-from flexscale.datasets.variables import (
-    ASSESSMENTS,
-    COMPONENTS,
-    SIDES,
-    STATISTICS,
-    Schema,
-    Variable,
-)
-from flexscale.errors import SchemaError, UnknownNameError, suggest
+from flexscale.datasets.variables import Schema, Variable
+from flexscale.errors import SchemaError, suggest
 from flexscale.status import SolveStatus
 
-NO_CONTACT_COMMENT = "contact between scales was not modeled"
 PAPER = "FlexScale: Modeling and Characterization of Flexible Scaled Sheets"
 
 
-def build_sweep_dataset(
-    sides: Sequence[str],
-    directions: ArrayLike,
-    curvatures: ArrayLike,
-    arrays: Mapping[str, ArrayLike],
-    *,
-    scalars: Mapping[str, float | str],
-    config: Mapping[str, Any],
-    recipe: Recipe | None = None,
-) -> xr.Dataset:
-    """Dataset of kind sweep/1.
-
-    Parameters
-    ----------
-    sides : of "closing", "opening".
-    directions : (n_directions,) degree in [0, 180); sorted here, with the arrays.
-    curvatures : (n_curvatures,) mm-1, non-negative; sorted here, with the arrays.
-    arrays : values by the names of the schema, (n_sides, n_directions, n_curvatures), `stretch`
-        with 3 components (xx, yy, xy) behind, `symmetry_source` (n_sides, n_directions) degree.
-        Without contact leave out `energy_density_contact`, `contact_pairs`, `contact_force` and
-        `min_gap`; they become 0, 0, 0 and nan. Without `symmetry_source` every direction was
-        computed itself.
-        Real values are set to nan wherever `status` is not 0.
-    scalars : "family", "pattern" and what is known of `variables.SCALARS`.
-    config : resolved configuration, JSON-able, enough to compute the sweep again.
-    recipe : defaults to step "sweep" with `config` as its parameters.
-    """
-    sides = [str(side) for side in sides]
-    for side in sides:
-        if side not in SIDES:
-            raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDES)}")
-    angles = np.asarray(directions, dtype=float)
-    kappa = np.asarray(curvatures, dtype=float)
-    shape = (len(sides), angles.size, kappa.size)
-    signs = np.array([1 if side == "closing" else -1 for side in sides], dtype=np.int8)
-    values: dict[str, Any] = dict(arrays)
-    no_contact = "min_gap" not in values
-    values.setdefault("energy_density_contact", np.zeros(shape))
-    values.setdefault("contact_pairs", np.zeros(shape, dtype=np.int32))
-    values.setdefault("contact_force", np.zeros(shape))
-    values.setdefault("min_gap", np.full(shape, np.nan))
-    values.setdefault("symmetry_source", np.broadcast_to(angles, shape[:2]))
-    values.update(
-        side=sides,
-        direction=angles,
-        curvature=kappa,
-        component=list(COMPONENTS),
-        side_sign=signs,
-        direction_rad=np.deg2rad(angles),
-        signed_curvature=signs[:, None] * kappa,
-    )
-    dataset = build_dataset("sweep", values, scalars=scalars, config=config, recipe=recipe)
-    if no_contact:
-        dataset["min_gap"].attrs["comment"] = NO_CONTACT_COMMENT
-    return dataset.sortby(["side", "direction", "curvature"])
-
-
-def build_tangent_dataset(
-    matrix: ArrayLike,
-    in_plane: ArrayLike,
-    directions: ArrayLike,
-    *,
-    scalars: Mapping[str, float | str],
-    config: Mapping[str, Any],
-    recipe: Recipe | None = None,
-) -> xr.Dataset:
-    """Dataset of kind tangent; the stiffness in each direction follows from the matrix.
-
-    Parameters
-    ----------
-    matrix : (3, 3) N mm, C in energy density 1/2 k C k with k = (kxx, kyy, 2 kxy).
-    in_plane : (3, 3) N mm-1, energy density 1/2 E A E with E = (Exx, Eyy, 2 Exy).
-    directions : (n,) degree.
-    scalars, config, recipe : as in `build_sweep_dataset`.
-    """
-    angles = np.asarray(directions, dtype=float)
-    stiffness = np.asarray(matrix, dtype=float)
-    values = {
-        "matrix": stiffness,
-        "in_plane": in_plane,
-        "stiffness": directional_stiffness(stiffness, angles),
-        "direction": angles,
-        "component": list(COMPONENTS),
-        "other_component": list(COMPONENTS),
-    }
-    dataset = build_dataset("tangent", values, scalars=scalars, config=config, recipe=recipe)
-    return dataset.sortby("direction")
-
-
-def directional_stiffness(matrix: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """(n,) N mm: k C k for unit curvature in each direction (degree), k = (c², s², 2 c s)."""
-    cosine, sine = np.cos(np.deg2rad(directions)), np.sin(np.deg2rad(directions))
-    bending = np.stack([cosine**2, sine**2, 2.0 * cosine * sine])
-    return np.einsum("in,ij,jn->n", bending, matrix, bending)
-
-
-def build_fit_dataset(
-    sides: Sequence[str],
-    directions: ArrayLike,
-    arrays: Mapping[str, ArrayLike],
-    *,
-    scalars: Mapping[str, float | str],
-    config: Mapping[str, Any],
-    recipe: Recipe | None = None,
-) -> xr.Dataset:
-    """Dataset of kind fit.
-
-    Parameters
-    ----------
-    sides : of "closing", "opening".
-    directions : (n,) degree, increasing.
-    arrays : variables by the names of the schema; the parameters are a, b, kappa_0, in this order.
-    scalars, config, recipe : as in `build_sweep_dataset`.
-    """
-    values = {
-        **arrays,
-        "side": list(sides),
-        "direction": np.asarray(directions, dtype=float),
-        "parameter": list(PARAMETERS),
-        "parameter_units": ["N mm", "N mm", "mm-1"],
-        "component": list(COMPONENTS),
-        "other_component": list(COMPONENTS),
-        "harmonic": np.arange(np.shape(arrays["cos_coefficient"])[-1]),
-        "assessment": list(ASSESSMENTS),
-        "statistic": list(STATISTICS),
-    }
-    return build_dataset("fit", values, scalars=scalars, config=config, recipe=recipe)
-
-
 def build_dataset(
-    kind: str,
+    schema: Schema,
     arrays: Mapping[str, Any],
     *,
     scalars: Mapping[str, float | str],
@@ -171,15 +31,16 @@ def build_dataset(
 
     Parameters
     ----------
-    kind : a kind of `schema.SCHEMAS`.
+    schema : of the kind.
     arrays : coordinates and variables by name; for a cell the arrays of a `PeriodicMesh`.
-    scalars, config, recipe : as in `build_sweep_dataset`.
+    scalars : "family", "pattern" and what is known of `variables.SCALARS`.
+    config : resolved configuration, JSON-able, enough to compute the dataset again.
+    recipe : defaults to the step called as the kind, with `config` as its parameters.
 
     Raises
     ------
     SchemaError : a name is missing or unknown, or a shape does not fit.
     """
-    schema = schema_of(kind)
     values: dict[str, Any] = {**arrays, **scalars}
     _check_names(schema, values)
     failed = None
@@ -195,14 +56,14 @@ def build_dataset(
     coordinates = {item.name for item in schema.coordinates} | set(scalars)
     dataset = dataset.set_coords(sorted(coordinates & set(dataset.variables)))
     if recipe is None:
-        recipe = Recipe(kind, schema.version, config)
+        recipe = Recipe(schema.kind, schema.version, config)
     dataset.attrs = global_attributes(schema, recipe, [], config)
     return dataset
 
 
-def array_names(kind: str) -> list[str]:
+def array_names(schema: Schema) -> list[str]:
     """Names of the required data variables of a kind, to collect them from an object."""
-    return [item.name for item in schema_of(kind).variables if not item.optional]
+    return [item.name for item in schema.variables if not item.optional]
 
 
 def global_attributes(

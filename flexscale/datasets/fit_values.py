@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from flexscale.arrays import FloatArray
 
 PARAMETERS = ("a", "b", "kappa_0")
 #: What the harmonics of kappa_0 interpolate: itself, its inverse (0 = no contact), or nothing.

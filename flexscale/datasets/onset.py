@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import DATASET, checked
-from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.given import require_variables
 from flexscale.errors import MissingDataError
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexscale.datasets.variables import SIDES
 from flexscale.errors import SchemaError
+from flexscale.sides import SIDES
 from flexscale.status import SolveStatus
+
+#: Share of the largest value that sums and zeros may be off by rounding.
+ROUNDING = 1e-9
 
 
 def check_sides(dataset: xr.Dataset, what: str) -> None:

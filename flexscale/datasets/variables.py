@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from flexscale.checks import choice, choices
 from flexscale.status import FLAG_MEANINGS, SolveStatus
 
 if TYPE_CHECKING:
     import xarray as xr
 
-SIDES = ("closing", "opening")
-ONE_SIDE = choice("side", SIDES)
-SOME_SIDES = choices("side", SIDES)
 COMPONENTS = ("xx", "yy", "xy")
 #: Energies of a curvature tensor by name; a fit is for one of them.
-VARIANTS = ("tangent", "paper")
+Variant = Literal["tangent", "paper"]
+VARIANTS: tuple[Variant, ...] = ("tangent", "paper")
+#: How a fit weighs its samples.
+Weighting = Literal["relative", "absolute"]
+WEIGHTINGS: tuple[Weighting, ...] = ("relative", "absolute")
 #: What the errors of a fit were measured on, and how they were summed up.
 ASSESSMENTS = ("law", "model", "held_out_curvature", "held_out_direction")
 STATISTICS = ("median", "percentile_95", "worst")
@@ -50,13 +50,18 @@ class Variable:
 
 @dataclass(frozen=True)
 class Schema:
-    """Coordinates, data variables and scalar coordinates of one kind of dataset."""
+    """One kind of dataset: its coordinates, data variables and scalar coordinates.
+
+    `check` raises SchemaError for a dataset whose values cannot be; names, types and units have
+    been checked before.
+    """
 
     kind: str
     version: int
     title: str
     coordinates: tuple[Variable, ...]
     variables: tuple[Variable, ...]
+    check: Callable[[xr.Dataset], None]
 
     @property
     def name(self) -> str:
@@ -107,3 +112,6 @@ SCALARS: tuple[Variable, ...] = (
     _scalar("substrate_poisson_ratio", "1", "Poisson's ratio of the substrate"),
     _scalar("mesh_size", "mm", "element size across the gap"),
 )
+
+#: Coordinate of all kinds that are sampled in directions.
+DIRECTION = Variable("direction", ("direction",), "float64", "degree", "bending direction")

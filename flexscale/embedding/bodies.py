@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexscale.mechanics.energy import FloatArray
+from flexscale.arrays import FloatArray
 
 N_FRAME = 12  # unknowns of the anchor and the frame
 N_STRAINS = 6

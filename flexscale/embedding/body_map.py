@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.embedding.bodies import N_FRAME, Body
 from flexscale.embedding.curvature_map import (
     GRADIENT,
@@ -23,7 +24,6 @@ from flexscale.embedding.curvature_map import (
     place_images,
 )
 from flexscale.embedding.world_map import SecondOrder, World, WorldMap, positive_part
-from flexscale.mechanics.energy import FloatArray
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ from collections.abc import Iterable
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.body_map import BodyMap, BodySecondOrder, BodyWorld
 from flexscale.embedding.pull_back import PairBlocks, PullBack
 from flexscale.mechanics.contact import ScaleContact
-from flexscale.mechanics.energy import NOTHING, FloatArray, IntArray
+from flexscale.mechanics.energy import NOTHING
 
 
 class BodyPullBack:

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import GRADIENT
 from flexscale.embedding.rows import FREE_ROW, Rows
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.periodic_mesh import FREE, GAP_EDGE, OUTLINE, OUTLINE_CORNER
 
 

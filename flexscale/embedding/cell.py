@@ -19,12 +19,12 @@ from abc import ABC, abstractmethod
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.contact_surface import find_surface, near_scales, surface_rest
 from flexscale.embedding.curvature_map import POSITION
 from flexscale.embedding.rows import FREE_ROW, Rows
 from flexscale.embedding.scale_nodes import PointNodes, ScaleNodes, TetNodes
 from flexscale.mechanics.contact import ContactSurface
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.bonds import build_bonds
 from flexscale.mesh.periodic_mesh import COVERED, FREE, PeriodicMesh
 

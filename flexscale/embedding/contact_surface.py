@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mesh.patches import fit_affine
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 

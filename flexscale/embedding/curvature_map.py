@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 
 POSITION, GRADIENT, NUMBERS, BODY_POINT, BODY_VECTOR = range(5)
 

@@ -5,16 +5,10 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.embedding.curvature_map import (
-    BODY_POINT,
-    POSITION,
-    Bend,
-    ImageVectors,
-    place_images,
-)
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.embedding.curvature_map import BODY_POINT, POSITION, Bend, ImageVectors, place_images
 from flexscale.mesh.periodic_mesh import FREE
 
 

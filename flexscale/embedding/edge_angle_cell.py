@@ -26,11 +26,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import NUMBERS
 from flexscale.embedding.rows import FREE_ROW, Rows
 from flexscale.mechanics.edge_angles import EdgeStencils
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.periodic_mesh import COVERED, FREE, GAP_EDGE, PeriodicMesh
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from flexscale.arrays import IntArray
 from flexscale.embedding import pull_kernels as kernels
-from flexscale.mechanics.energy import Energy, IntArray, block_pairs
+from flexscale.mechanics.energy import Energy, block_pairs
 
 SlotArray = NDArray[np.int32]
 

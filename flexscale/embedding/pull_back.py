@@ -13,23 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding import pull_kernels as kernels
-from flexscale.embedding.pair_pattern import (
-    SlotArray,
-    element_pattern,
-    find_slots,
-    number_pairs,
-)
+from flexscale.embedding.pair_pattern import SlotArray, element_pattern, find_slots, number_pairs
 from flexscale.embedding.world_map import SecondOrder, World, WorldMap
-from flexscale.mechanics.energy import (
-    ALL,
-    NOTHING,
-    Energy,
-    FloatArray,
-    IntArray,
-    PairEnergy,
-    project_blocks,
-)
+from flexscale.mechanics.energy import ALL, NOTHING, Energy, PairEnergy, project_blocks
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import ImageVectors
 from flexscale.embedding.world_map import WorldMap
-from flexscale.mechanics.energy import FloatArray
 
 #: Weights of a row that is one image vector and nothing else.
 FREE_ROW = np.array([[1.0, 0.0, 0.0]])

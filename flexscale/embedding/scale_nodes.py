@@ -13,10 +13,10 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.contact_surface import spread_contact
 from flexscale.embedding.curvature_map import BODY_POINT, BODY_VECTOR, POSITION
 from flexscale.embedding.rows import Rows
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mesh.bonds import Bonds
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 

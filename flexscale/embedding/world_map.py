@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import (
     Bend,
     ImageVectors,
@@ -26,7 +27,6 @@ from flexscale.embedding.curvature_map import (
     flat_curvature_rates,
     place_images,
 )
-from flexscale.mechanics.energy import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,13 @@ from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import ANGLE, checked, choice, number, point
 from flexscale.errors import FabricationError
 from flexscale.fabricate.walls import GRID
 from flexscale.patterns import Pattern
 
-FloatArray = NDArray[np.float64]
 Border = Literal["cut", "whole"]
 
 MOST_SCALES = 20000  # of a sheet: each takes about a millisecond and up to 0.1 MB

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import shapely
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import FabricationError
 from flexscale.fabricate.grooves import groove_rings
-from flexscale.fabricate.layout import FloatArray, Layout, lay_out, moved, no_whole_scale
+from flexscale.fabricate.layout import Layout, lay_out, moved, no_whole_scale
 from flexscale.fabricate.options import Grooves, Printer, check_printable
 from flexscale.fabricate.shapes import Shape
 from flexscale.fabricate.walls import is_printable, smallest_wall, without_thin_parts

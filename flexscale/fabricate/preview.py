@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.fabricate.hinges import hinge_bases
 from flexscale.fabricate.plan import PlannedScale
 from flexscale.fabricate.shapes import Disc, Rectangle
@@ -14,8 +14,6 @@ from flexscale.fabricate.solids import prism, section, solid_of
 from flexscale.fabricate.walls import GRID, rings_of
 from flexscale.plotting.printable import PrintableBody, PrintablePicture
 from flexscale.plotting.style import SCALE_COLOR, SUBSTRATE_COLOR
-
-FloatArray = NDArray[np.float64]
 
 _SECTION_LENGTH = 32.0  # mm, at most: enough to see layers
 

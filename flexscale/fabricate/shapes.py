@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import checked, length, number, optional
 from flexscale.errors import FabricationError
 from flexscale.fabricate.options import ROUNDING, Printer
 from flexscale.fabricate.walls import on_grid
 from flexscale.units import LENGTHS
-
-FloatArray = NDArray[np.float64]
 
 CHORD = 0.005  # mm, largest distance between a circle and the polygon that is printed for it
 

@@ -14,11 +14,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import FabricationError
 from flexscale.fabricate.walls import GRID, rings_of
 from flexscale.short_repr import ShortRepr
-
-FloatArray = NDArray[np.float64]
 
 _NEEDLE = 1e-6  # height of a triangle over its length: ten times what 32-bit numbers resolve
 _PASSES = 5  # needles beside each other need more than one

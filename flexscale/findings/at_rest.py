@@ -9,7 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexscale.findings.measures import FloatArray, spread
+from flexscale.arrays import FloatArray
+from flexscale.findings.measures import spread
 from flexscale.findings.pattern_data import PatternData
 from flexscale.findings.verdict import Evidence, Finding
 

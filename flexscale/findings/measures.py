@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from flexscale.arrays import FloatArray
 
-#: a lobe rises above its neighboring valleys by at least this share of the mean
 LEAST_LOBE = 0.05
 _ORDER = ("side", "direction", "curvature")
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from flexscale.datasets.variables import SIDES
 from flexscale.errors import MissingDataError
 from flexscale.findings.symmetry import DirectionSymmetry, direction_symmetry
+from flexscale.sides import SIDES
 
 if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.scale_modes import SheetSupport
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
@@ -58,20 +59,18 @@ class CellModel:
     def of_pattern(
         cls,
         pattern: Pattern,
-        contact: ContactOptions | None = None,
-        linear_solver: str = "auto",
-        substrate: SubstrateOptions | None = None,
-        scales: ScaleOptions | None = None,
+        native: NativeModel | None = None,
     ) -> CellModel:
-        """Materials and sizes of a pattern."""
+        """Materials and sizes of a pattern, modeled so; by default if not told."""
+        native = native or NativeModel()
         return cls(
             pattern.substrate_material,
             pattern.scale_material,
             pattern.substrate_thickness,
             pattern.gap,
             pattern.bond_radius,
-            contact or ContactOptions(),
-            linear_solver,
-            substrate or SubstrateOptions(),
-            scales or ScaleOptions(),
+            native.contact,
+            native.solver.linear_solver,
+            native.substrate,
+            native.scales,
         )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.body_map import BodyMap, BodySecondOrder, BodyWorld
@@ -19,15 +20,12 @@ from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.keep_apart import keep_apart
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.scale_modes import build_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.contact import ContactSurface, ScaleContact, barrier_stiffness
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import ALL, NOTHING, Energy, FloatArray, IntArray
+from flexscale.mechanics.energy import ALL, NOTHING, Energy
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
-from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import NeoHookean, Pattern
@@ -180,19 +178,10 @@ class CellProblem:
             )
 
     @classmethod
-    def from_pattern(
-        cls,
-        pattern: Pattern,
-        options: MeshOptions | None = None,
-        *,
-        contact: ContactOptions | None = None,
-        substrate: SubstrateOptions | None = None,
-        scales: ScaleOptions | None = None,
-        linear_solver: str = "auto",
-    ) -> CellProblem:
-        """Mesh a pattern and set up its native model."""
-        mesh = build_mesh(pattern, options or MeshOptions())
-        return cls(mesh, CellModel.of_pattern(pattern, contact, linear_solver, substrate, scales))
+    def from_pattern(cls, pattern: Pattern, native: NativeModel | None = None) -> CellProblem:
+        """Mesh a pattern and set up its native model, the default one if not told."""
+        native = native or NativeModel()
+        return cls(build_mesh(pattern, native.mesh), CellModel.of_pattern(pattern, native))
 
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
         """Room in the Hessian for contact at z alone: results must not depend on earlier states."""

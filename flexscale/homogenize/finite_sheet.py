@@ -7,12 +7,8 @@ import numpy as np
 from flexscale.errors import PatternError
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.finite_options import require_finite_options
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.homogenize.native_model import NativeModel, require_finite_sheet
 from flexscale.mesh.finite import build_finite_mesh
-from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import SheetTiles
 from flexscale.solve.unconstrained import UnconstrainedSystem
@@ -25,7 +21,7 @@ class FiniteSheet(CellProblem):
     ----------
     pattern : its scales are bodies, its sheet is C1.
     tiles : the pattern on the sheet.
-    mesh, contact, substrate, scales : as for a cell.
+    native : as for a cell, with scales of modes and a C1 sheet.
 
     Attributes
     ----------
@@ -34,22 +30,14 @@ class FiniteSheet(CellProblem):
     Raises
     ------
     PatternError, MeshError : the sheet has no scale, or cannot be meshed.
-    ConfigError : see `require_finite_options`.
+    ConfigError : see `require_finite_sheet`.
     """
 
     def __init__(
-        self,
-        pattern: Pattern,
-        tiles: SheetTiles,
-        *,
-        mesh: MeshOptions | None = None,
-        contact: ContactOptions | None = None,
-        substrate: SubstrateOptions | None = None,
-        scales: ScaleOptions | None = None,
-        linear_solver: str = "auto",
+        self, pattern: Pattern, tiles: SheetTiles, native: NativeModel | None = None
     ) -> None:
-        substrate, scales = substrate or SubstrateOptions(), scales or ScaleOptions()
-        require_finite_options(substrate, scales)
+        native = native or NativeModel()
+        require_finite_sheet(native)
         if not tiles.copies:
             raise PatternError(
                 f"A sheet of {tiles.length:g} x {tiles.width:g} mm cuts all scales of the pattern "
@@ -57,8 +45,7 @@ class FiniteSheet(CellProblem):
             )
         self.tiles = tiles
         super().__init__(
-            build_finite_mesh(pattern, tiles, mesh),
-            CellModel.of_pattern(pattern, contact, linear_solver, substrate, scales),
+            build_finite_mesh(pattern, tiles, native.mesh), CellModel.of_pattern(pattern, native)
         )
         self.area = tiles.length * tiles.width
         self.shift_mode = np.zeros(len(self.active))

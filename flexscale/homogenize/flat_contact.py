@@ -27,12 +27,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import FlatBends, bend_flat
 from flexscale.mechanics.contact import ScaleContact
 from flexscale.mechanics.contact_gaps import LinearGaps
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.solve.unilateral import unilateral_forces
 from flexscale.units import require_positive
 

@@ -11,14 +11,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.errors import BadInputError
 from flexscale.homogenize.cell_problem import BentCell, CellProblem
 from flexscale.homogenize.finite_sheet import FiniteSheet
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import FloatArray, IntArray
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mesh.options import MeshOptions
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
 from flexscale.patterns.strip import clip_strip
@@ -34,7 +32,7 @@ class FreeStrip(FiniteSheet):
     direction : degree, of the strip in the pattern; a lattice vector lies along it.
     periods : of the pattern along the strip.
     center : (2,) mm, point of the pattern in the middle of the width.
-    mesh, contact, scales : as for a cell.
+    native : as for a cell.
 
     Raises
     ------
@@ -49,12 +47,10 @@ class FreeStrip(FiniteSheet):
         *,
         periods: int = 1,
         center: ArrayLike | None = None,
-        mesh: MeshOptions | None = None,
-        contact: ContactOptions | None = None,
-        scales: ScaleOptions | None = None,
+        native: NativeModel | None = None,
     ) -> None:
         tiles = clip_strip(pattern, width, direction, periods=periods, center=center)
-        super().__init__(pattern, tiles, mesh=mesh, contact=contact, scales=scales)
+        super().__init__(pattern, tiles, native)
         self.shift_mode = self.embedding.shift_mode[self.active]
 
     def free_unknowns(self) -> IntArray:

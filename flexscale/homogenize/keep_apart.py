@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.optimize import nnls
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.mechanics.contact import ScaleContact
-from flexscale.mechanics.energy import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from flexscale.homogenize.cell_problem import CellProblem

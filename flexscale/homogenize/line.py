@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.keep_apart import keep_apart
-from flexscale.mechanics.energy import FloatArray
+from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
-SIDE_SIGNS = {"closing": 1.0, "opening": -1.0}
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
 _SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
 _PATIENCE = 10  # iterations after which a step above that is hard

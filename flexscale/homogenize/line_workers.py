@@ -19,12 +19,7 @@ from typing import Any
 from flexscale.homogenize.checkpoint import STATE, Checkpoint
 from flexscale.homogenize.line import Line
 from flexscale.homogenize.line_worker import DONE, FAILED
-from flexscale.processes import (
-    ProcessEndedError,
-    child_environment,
-    describe_end,
-    python_command,
-)
+from flexscale.processes import ProcessEndedError, child_environment, describe_end, python_command
 from flexscale.solve.solver_options import SolverOptions
 
 Sample = dict[str, Any]

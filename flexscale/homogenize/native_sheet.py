@@ -15,22 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from flexscale.datasets.variables import SOME_SIDES
+from flexscale.arrays import IntArray
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.errors import BadInputError
 from flexscale.homogenize.finite_sheet import FiniteSheet
 from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.contact import ContactSurface
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import IntArray
 from flexscale.mechanics.load_series import require_bends
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
-from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
+from flexscale.sides import SOME_SIDES
 from flexscale.solve.solver_options import SolverOptions
 
 
@@ -42,7 +39,7 @@ class NativeSheet(FiniteSheet):
     pattern : its scales are bodies, its sheet is C1.
     length, width : mm; the sheet is bent along its length.
     direction : degree, of the sheet's length in the pattern's coordinates.
-    mesh, contact, substrate, scales : as for a cell.
+    native : as for a cell.
 
     Attributes
     ----------
@@ -52,7 +49,7 @@ class NativeSheet(FiniteSheet):
     Raises
     ------
     PatternError, MeshError : the sheet cannot be cut from the pattern, or not be meshed.
-    ConfigError : see `require_finite_options`.
+    ConfigError : see `require_finite_sheet`.
     """
 
     def __init__(
@@ -61,18 +58,9 @@ class NativeSheet(FiniteSheet):
         length: float,
         width: float,
         direction: float = 0.0,
-        *,
-        mesh: MeshOptions | None = None,
-        contact: ContactOptions | None = None,
-        substrate: SubstrateOptions | None = None,
-        scales: ScaleOptions | None = None,
-        linear_solver: str = "auto",
+        native: NativeModel | None = None,
     ) -> None:
-        tiles = clip_pattern(pattern, length, width, direction)
-        super().__init__(
-            pattern, tiles, mesh=mesh, contact=contact, substrate=substrate, scales=scales,
-            linear_solver=linear_solver,
-        )  # fmt: skip
+        super().__init__(pattern, clip_pattern(pattern, length, width, direction), native)
 
     def build_bodies(self, inner: CellEmbedding) -> list[Body]:
         """The scales; those of the strips turn with the cylinder at the end, and do not leave its

@@ -9,20 +9,17 @@ import numpy as np
 
 from flexscale import checks
 from flexscale.checks import ANGLE, checked, function, length, series
-from flexscale.datasets.build_sheets import build_sheet_dataset
-from flexscale.datasets.variables import SOME_SIDES
+from flexscale.datasets.kinds.native_sheet import NATIVE_SHEET
+from flexscale.datasets.sheet_variables import build_sheet_dataset
 from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line
+from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.homogenize.native_sheet import NativeSheet, check_bends
 from flexscale.homogenize.sweep import SampleEvent, run_lines
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.estimate import require_moderate_sheet
-from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
-from flexscale.solve.solver_options import SolverOptions
+from flexscale.sides import SOME_SIDES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,11 +36,7 @@ _COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs")
     curvatures=series("mm-1"),
     direction=ANGLE,
     sides=SOME_SIDES,
-    mesh=checks.MESH,
-    contact=checks.CONTACT,
-    substrate=checks.SUBSTRATE,
-    scales=checks.SCALES,
-    solver=checks.SOLVER,
+    model=native_model,
     checkpoint=checks.CHECKPOINT,
     on_sample=function,
 )
@@ -55,11 +48,7 @@ def simulate_native_sheet(
     curvatures: Sequence[float],
     direction: float = 0.0,
     sides: Sequence[str] = ("closing", "opening"),
-    mesh: MeshOptions | None = None,
-    contact: ContactOptions | None = None,
-    substrate: SubstrateOptions | None = None,
-    scales: ScaleOptions | None = None,
-    solver: SolverOptions | None = None,
+    model: NativeModel | str = "shell",
     checkpoint: Checkpoint | None = None,
     on_sample: Callable[[SampleEvent], None] | None = None,
 ) -> xr.Dataset:
@@ -74,7 +63,7 @@ def simulate_native_sheet(
     curvatures : mm-1, from 0 on, increasing; one number is a series of one.
     direction : degree, of the sheet's length in the pattern's coordinates.
     sides : "closing", "opening", or both.
-    mesh, contact, substrate, scales, solver : options, defaults if not given.
+    model : the native model, or the name of one with its default options.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
 
@@ -88,17 +77,14 @@ def simulate_native_sheet(
     BadInputError : the sheet would run into its own end, an unknown side, or options that only a
         periodic cell has.
     """
-    mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
+    native = native_model(model)
     check_bends(length, curvatures, sides)
-    require_moderate_sheet(pattern, mesh, length, width)
-    sheet = NativeSheet(
-        pattern, length, width, direction, mesh=mesh, contact=contact, substrate=substrate,
-        scales=scales, linear_solver=solver.linear_solver,
-    )  # fmt: skip
+    require_moderate_sheet(pattern, native.mesh, length, width)
+    sheet = NativeSheet(pattern, length, width, direction, native)
     kappa = tuple(curvatures)
     # The pattern is turned on the sheet, which always bends along its length.
     lines = [Line(side, 0.0, kappa) for side in sides]
-    found = run_lines(sheet, lines, solver, checkpoint, on_sample)
+    found = run_lines(sheet, lines, native.solver, checkpoint, on_sample)
     samples = [found[side, 0.0] for side in sides]
 
     def table(name: str, missing: float) -> np.ndarray:
@@ -114,21 +100,14 @@ def simulate_native_sheet(
         "n_scales": sheet.mesh.n_scales,
         "n_unknowns": len(sheet.active),
     }
-    options = {
-        "mesh": mesh.to_config(),
-        "solver": solver.to_config(),
-        "contact": (contact or ContactOptions()).to_config(),
-        "substrate": (substrate or SubstrateOptions()).to_config(),
-        "scales": (scales or ScaleOptions()).to_config(),
-    }
     return build_sheet_dataset(
+        NATIVE_SHEET,
         sides,
         kappa,
         arrays,
         length=length,
         width=width,
         direction=direction,
-        scalars=pattern_scalars(pattern, mesh),
-        config={"pattern": pattern.to_config(), **options},
-        kind="native_sheet",
+        scalars=pattern_scalars(pattern, native.mesh),
+        config={"pattern": pattern.to_config(), **native.to_config()},
     )

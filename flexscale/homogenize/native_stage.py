@@ -23,13 +23,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import N_FRAME, Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import GRADIENT, POSITION, Bend, place_images
 from flexscale.homogenize.cell_problem import BentCell, CellState
 from flexscale.homogenize.finite_sheet import FiniteSheet
 from flexscale.homogenize.scale_modes import build_bodies
-from flexscale.mechanics.energy import NOTHING, FloatArray, IntArray
+from flexscale.mechanics.energy import NOTHING
 from flexscale.mesh.finite import strips
 from flexscale.mesh.periodic_mesh import FREE
 
@@ -59,7 +60,7 @@ class NativeStage(FiniteSheet):
 
     Parameters
     ----------
-    pattern, tiles, mesh, contact, substrate, scales : as of a `FiniteSheet`; tiles are not glued.
+    pattern, tiles, native : as of a `FiniteSheet`; tiles are not glued.
 
     Attributes
     ----------

@@ -11,21 +11,19 @@ import numpy as np
 
 from flexscale import checks
 from flexscale.checks import ANGLE, checked, function, length, series
-from flexscale.datasets.build import NO_CONTACT_COMMENT
-from flexscale.datasets.build_sheets import build_rig_dataset
-from flexscale.datasets.variables import SOME_SIDES
+from flexscale.datasets.device_variables import build_rig_dataset
+from flexscale.datasets.kinds.native_rig import NATIVE_RIG
+from flexscale.datasets.kinds.sweep import NO_CONTACT_COMMENT
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.labels import pattern_scalars
+from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.homogenize.native_stage import NativeStage
 from flexscale.homogenize.stage_line import follow_shortenings
-from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.estimate import require_moderate_sheet
-from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
+from flexscale.sides import SOME_SIDES
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
@@ -65,11 +63,7 @@ class ShorteningEvent:
     shortenings=series("mm", "shortening"),
     direction=ANGLE,
     sides=SOME_SIDES,
-    mesh=checks.MESH,
-    contact=checks.CONTACT,
-    substrate=checks.SUBSTRATE,
-    scales=checks.SCALES,
-    solver=checks.SOLVER,
+    model=native_model,
     checkpoint=checks.CHECKPOINT,
     on_sample=function,
 )
@@ -81,11 +75,7 @@ def simulate_native_stage(
     shortenings: Sequence[float] = SHORTENINGS,
     direction: float = 0.0,
     sides: Sequence[str] = ("closing", "opening"),
-    mesh: MeshOptions | None = None,
-    contact: ContactOptions | None = None,
-    substrate: SubstrateOptions | None = None,
-    scales: ScaleOptions | None = None,
-    solver: SolverOptions | None = None,
+    model: NativeModel | str = "shell",
     checkpoint: Checkpoint | None = None,
     on_sample: Callable[[ShorteningEvent], None] | None = None,
 ) -> xr.Dataset:
@@ -101,7 +91,7 @@ def simulate_native_stage(
     shortenings : mm, increasing from above 0; one number is a series of one.
     direction : degree, of the strip's length in the pattern's coordinates.
     sides : "closing", "opening", or both: to which the strip is bent at the first shortening.
-    mesh, contact, substrate, scales, solver : options, defaults if not given.
+    model : the native model, or the name of one with its default options.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
 
@@ -115,18 +105,15 @@ def simulate_native_stage(
     BadInputError : shortenings that do not increase or reach the length, a size or direction out of
         range, an unknown side, or options that only a periodic cell has.
     """
-    mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
-    contact = contact or ContactOptions()
+    native = native_model(model)
     asked = require_shortenings(shortenings, length).tolist()
-    require_moderate_sheet(pattern, mesh, length, width)
-    stage = NativeStage(
-        pattern, clip_pattern(pattern, length, width, direction, glued=False), mesh=mesh,
-        contact=contact, substrate=substrate, scales=scales, linear_solver=solver.linear_solver,
-    )  # fmt: skip
+    require_moderate_sheet(pattern, native.mesh, length, width)
+    tiles = clip_pattern(pattern, length, width, direction, glued=False)
+    stage = NativeStage(pattern, tiles, native)
     samples: dict[str, list[dict[str, Any]]] = {side: [] for side in sides}
     start, done, failed = time.perf_counter(), 0, 0
     for side in sides:
-        for sample in _run_side(stage, asked, side, solver, checkpoint):
+        for sample in _run_side(stage, asked, side, native.solver, checkpoint):
             samples[side].append(sample)
             status = SolveStatus(sample["status"])
             done, failed = done + 1, failed + (status != SolveStatus.converged)
@@ -145,22 +132,15 @@ def simulate_native_stage(
     arrays |= {name: table(name, 0).astype(np.int32) for name in _COUNTED}
     arrays["status"] = table("status", 0).astype(np.int8)
     sizes = {"length": length, "width": width, "direction": direction}
-    options = {
-        "mesh": mesh.to_config(),
-        "solver": solver.to_config(),
-        "contact": contact.to_config(),
-        "substrate": (substrate or SubstrateOptions()).to_config(),
-        "scales": (scales or ScaleOptions()).to_config(),
-    }
     dataset = build_rig_dataset(
+        NATIVE_RIG,
         sides,
         {"stage": {"shortening": asked, **sizes, **arrays}},
-        scalars=pattern_scalars(pattern, mesh),
-        config={"pattern": pattern.to_config(), **options},
-        kind="native_rig",
+        scalars=pattern_scalars(pattern, native.mesh),
+        config={"pattern": pattern.to_config(), **native.to_config()},
         numbers={"n_scales": len(stage.tiles.copies), "n_unknowns": len(stage.active)},
     )
-    if not contact.enabled:
+    if not native.contact.enabled:
         dataset["stage_min_gap"].attrs["comment"] = NO_CONTACT_COMMENT
     return dataset
 

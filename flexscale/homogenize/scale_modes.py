@@ -19,11 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import N_STRAINS, STRAIN_PAIRS, Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import BODY_POINT
 from flexscale.embedding.scale_nodes import PointNodes
-from flexscale.mechanics.energy import FloatArray, IntArray, block_pairs
+from flexscale.mechanics.energy import block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import NeoHookean

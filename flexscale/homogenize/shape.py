@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.datasets.build import build_dataset
+from flexscale.datasets.kinds.shape import SHAPE
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.display import Display
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.sweep import check_sweep
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import FloatArray
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
-from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
-from flexscale.solve.solver_options import SolverOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,12 +26,7 @@ if TYPE_CHECKING:
 def solve_shapes(
     pattern: Pattern,
     bends: Sequence[tuple[str, float, float]],
-    *,
-    mesh: MeshOptions | None = None,
-    solver: SolverOptions | None = None,
-    contact: ContactOptions | None = None,
-    substrate: SubstrateOptions | None = None,
-    scales: ScaleOptions | None = None,
+    native: NativeModel | None = None,
 ) -> xr.Dataset:
     """Displacements of scales and substrate under some bends.
 
@@ -42,26 +34,16 @@ def solve_shapes(
     ----------
     pattern : the scale pattern.
     bends : (side, direction [degree], curvature [mm-1, > 0]) of each sample.
-    mesh, solver, contact, substrate, scales : element sizes, solver, contact, substrate and scale
-        options; the defaults if not given.
+    native : the native model, the default one if not given.
 
     Returns
     -------
     xarray.Dataset of kind shape/1; displacements of a sample that did not converge are NaN.
     """
-    mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
+    native = native or NativeModel()
     for side, direction, curvature in bends:
         check_sweep(pattern, [direction], [curvature], [side])
-    contact, substrate = contact or ContactOptions(), substrate or SubstrateOptions()
-    scales = scales or ScaleOptions()
-    problem = CellProblem.from_pattern(
-        pattern,
-        mesh,
-        contact=contact,
-        substrate=substrate,
-        scales=scales,
-        linear_solver=solver.linear_solver,
-    )
+    problem = CellProblem.from_pattern(pattern, native)
     display = Display(problem.embedding)
     rest = display.place(problem.embedding.rest, Bend(0.0, 0.0))
     displacement = np.full((len(bends), *rest.shape), np.nan)
@@ -70,7 +52,7 @@ def solve_shapes(
     signed = np.empty(len(bends))
     for k, (side, direction, curvature) in enumerate(bends):
         line = Line(side, float(direction), (float(curvature),))
-        (sample,) = follow_line(problem, line, solver)
+        (sample,) = follow_line(problem, line, native.solver)
         signed[k] = line.bend(curvature).curvature
         if "state" in sample:
             displacement[k] = display.place(sample["state"], line.bend(curvature)) - rest
@@ -95,14 +77,11 @@ def solve_shapes(
         arrays["contact_force"] = force
     config = {
         "pattern": pattern.to_config(),
-        "mesh": mesh.to_config(),
-        "solver": solver.to_config(),
-        "contact": contact.to_config(),
-        "substrate": substrate.to_config(),
-        "scales": scales.to_config(),
+        **native.to_config(),
         "bends": [list(bend) for bend in bends],
     }
-    return build_dataset("shape", arrays, scalars=pattern_scalars(pattern, mesh), config=config)
+    scalars = pattern_scalars(pattern, native.mesh)
+    return build_dataset(SHAPE, arrays, scalars=scalars, config=config)
 
 
 def _contact_force(problem: CellProblem, bend: Bend, z: FloatArray, n_points: int) -> FloatArray:

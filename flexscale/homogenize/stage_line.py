@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from flexscale.homogenize.line import SIDE_SIGNS, set_barrier
+from flexscale.arrays import FloatArray
+from flexscale.homogenize.line import set_barrier
 from flexscale.homogenize.native_stage import NativeStage
-from flexscale.mechanics.energy import FloatArray
+from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from flexscale import checks
 from flexscale.checks import checked, flag, function, series, whole
-from flexscale.datasets.variables import SOME_SIDES
 from flexscale.errors import UnitRangeError
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.checkpoint import Checkpoint
@@ -19,19 +18,13 @@ from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line, load_line
 from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
+from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.homogenize.sweep_dataset import build_dataset_of
-from flexscale.homogenize.symmetry import (
-    check_line,
-    find_sources,
-    symmetry_error,
-)
+from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error
 from flexscale.homogenize.tangent import solve_tangent
-from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.load_series import require_bends
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
-from flexscale.mesh.options import MeshOptions
 from flexscale.patterns import Pattern
+from flexscale.sides import SOME_SIDES
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
@@ -65,11 +58,7 @@ class SampleEvent:
     directions=series("degree"),
     curvatures=series("mm-1"),
     sides=SOME_SIDES,
-    mesh=checks.MESH,
-    solver=checks.SOLVER,
-    contact=checks.CONTACT,
-    substrate=checks.SUBSTRATE,
-    scales=checks.SCALES,
+    model=native_model,
     symmetry=flag,
     workers=whole(1, 1024),
     checkpoint=checks.CHECKPOINT,
@@ -81,11 +70,7 @@ def sweep(
     curvatures: Sequence[float],
     sides: Sequence[str] = ("closing", "opening"),
     *,
-    mesh: MeshOptions | None = None,
-    solver: SolverOptions | None = None,
-    contact: ContactOptions | None = None,
-    substrate: SubstrateOptions | None = None,
-    scales: ScaleOptions | None = None,
+    model: NativeModel | str = "shell",
     symmetry: bool = True,
     workers: int | None = None,
     checkpoint: Checkpoint | None = None,
@@ -101,8 +86,7 @@ def sweep(
         runs across, at 90°. One number is a series of one, here and in `curvatures`.
     curvatures : mm-1, non-negative and increasing.
     sides : "closing", "opening", or both.
-    mesh, solver, contact, substrate, scales : element sizes, solver, contact, substrate and scale
-        options; the defaults if not given.
+    model : the native model, or the name of one with its default options.
     symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
         sample in another as a check; False solves all.
     workers : processes, each with one thread; as many as there are cores if not given.
@@ -122,7 +106,7 @@ def sweep(
     MeshError : the mesh is too far from the pattern's symmetry to rely on it.
     ProcessEndedError : a process that solved samples was killed or crashed.
     """
-    mesh, solver = mesh or MeshOptions(), solver or SolverOptions()
+    native = native_model(model)
     check_sweep(pattern, directions, curvatures, sides)
     kappa = tuple(curvatures)
     sources = find_sources(pattern, directions, symmetry)
@@ -131,35 +115,19 @@ def sweep(
     check = check_line(sides, directions, sources, next((k for k in kappa if k > 0.0), 0.0))
     if check is not None:
         lines.append(check)
-    contact, substrate = contact or ContactOptions(), substrate or SubstrateOptions()
-    scales = scales or ScaleOptions()
-    problem = CellProblem.from_pattern(
-        pattern,
-        mesh,
-        contact=contact,
-        substrate=substrate,
-        scales=scales,
-        linear_solver=solver.linear_solver,
-    )
+    problem = CellProblem.from_pattern(pattern, native)
     workers = min(workers or os.cpu_count() or 1, len(lines))
     # This compiles and caches the kernels, too, before processes start.
-    mesh_error = estimate_mesh_error(pattern, mesh, problem.model, solve_tangent(problem))
+    mesh_error = estimate_mesh_error(pattern, native.mesh, problem.model, solve_tangent(problem))
     if workers > 1:
-        results = _in_processes(problem, lines, solver, checkpoint, workers)
+        results = _in_processes(problem, lines, native.solver, checkpoint, workers)
     else:
-        results = _in_turn(problem, lines, solver, checkpoint)
+        results = _in_turn(problem, lines, native.solver, checkpoint)
     samples = _collect(results, lines, on_sample)
-    options = {
-        "mesh": mesh.to_config(),
-        "solver": solver.to_config(),
-        "contact": contact.to_config(),
-        "substrate": substrate.to_config(),
-        "scales": scales.to_config(),
-        "symmetry": symmetry,
-    }
+    options = native.to_config() | {"symmetry": symmetry}
     axes = (sides, directions, kappa)
     dataset = build_dataset_of(
-        pattern, pattern_scalars(pattern, mesh), options, samples, axes, sources
+        pattern, pattern_scalars(pattern, native.mesh), options, samples, axes, sources
     )
     note_mesh_error(dataset, mesh_error)
     if check is not None:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexscale.datasets.build import build_sweep_dataset
+from flexscale.arrays import FloatArray
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.homogenize.symmetry import Source, turn_stretch
-from flexscale.mechanics.energy import FloatArray
 from flexscale.patterns import Pattern
 from flexscale.status import SolveStatus
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import MeshError
 from flexscale.homogenize.line import Line
-from flexscale.mechanics.energy import FloatArray
 from flexscale.patterns import Pattern
 
 SAME_DIRECTION = 1e-9  # degrees

@@ -23,17 +23,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale import checks
-from flexscale.checks import checked, choice
+from flexscale.arrays import FloatArray
+from flexscale.checks import checked
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_problem import CellProblem, CellState
-from flexscale.mechanics.contact_options import ContactOptions
-from flexscale.mechanics.energy import FloatArray
-from flexscale.mechanics.scale_options import ScaleOptions
-from flexscale.mechanics.substrate_options import SubstrateOptions
-from flexscale.mesh.options import MeshOptions
+from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.patterns import Pattern
 from flexscale.short_repr import ShortRepr
-from flexscale.solve.linear import LINEAR_SOLVERS
 from flexscale.units import require_array
 
 _SAMPLES = 1800
@@ -161,28 +157,18 @@ def _in_plane(problem: CellProblem) -> FloatArray:
 
 @checked(
     pattern=checks.PATTERN,
-    mesh=checks.MESH,
-    substrate=checks.SUBSTRATE,
-    scales=checks.SCALES,
-    linear_solver=choice("linear solver", LINEAR_SOLVERS),
+    model=native_model,
 )
 def tangent_stiffness(
     pattern: Pattern,
-    *,
-    mesh: MeshOptions | None = None,
-    substrate: SubstrateOptions | None = None,
-    scales: ScaleOptions | None = None,
-    linear_solver: str = "auto",
+    model: NativeModel | str = "shell",
 ) -> TangentStiffness:
     """Bending and in-plane stiffness of a pattern at rest, in seconds.
 
     Parameters
     ----------
     pattern : the scale pattern.
-    mesh : element sizes; the default mesh if not given.
-    substrate : elements of the sheet; the default ones if not given.
-    scales : how scales are modeled; the default if not given.
-    linear_solver : "auto", "pardiso" or "superlu".
+    model : the native model, or the name of one with its default options; contact plays no part.
 
     Examples
     --------
@@ -191,13 +177,5 @@ def tangent_stiffness(
     >>> bool(tangent.stiffness(45.0) > tangent.stiffness(0.0))
     True
     """
-    contact = ContactOptions(enabled=False)
-    problem = CellProblem.from_pattern(
-        pattern,
-        mesh,
-        contact=contact,
-        substrate=substrate,
-        scales=scales,
-        linear_solver=linear_solver,
-    )
-    return solve_tangent(problem)
+    native = native_model(model)
+    return solve_tangent(CellProblem.from_pattern(pattern, native.without_contact))

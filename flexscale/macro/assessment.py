@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.variables import ASSESSMENTS, STATISTICS
+from flexscale.arrays import FloatArray
+from flexscale.datasets.variables import ASSESSMENTS, STATISTICS, Weighting
 from flexscale.macro.flat_response import FlatResponse
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_directions
 from flexscale.macro.refine import fit_refined
 from flexscale.macro.samples import Samples
-from flexscale.macro.uniaxial import UniaxialLaw, Weighting
+from flexscale.macro.uniaxial import UniaxialLaw
 
 __all__ = ["ASSESSMENTS", "STATISTICS", "FitErrors", "assess"]
 

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import checked, choice, flag, length, number
 from flexscale.errors import BadInputError
 from flexscale.macro.conditions import Conditions
@@ -22,7 +23,6 @@ from flexscale.macro.sheet_points import sheet_positions
 from flexscale.macro.sheet_problem import SheetProblem, SheetState
 from flexscale.macro.sheet_rows import POSITION
 from flexscale.macro.surfaces import cylinder
-from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 from flexscale.mesh.sheet import SheetMesh, rectangle

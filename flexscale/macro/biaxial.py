@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.units import require_range
 
 MOST_W_BIAXIAL = 1e12  # N mm3: a million times that of tiles of 10 cm2 on the stiffest sheets

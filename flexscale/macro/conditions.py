@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import BadInputError
 from flexscale.macro.grips import Grip
 from flexscale.macro.sheet import Sheet
 from flexscale.macro.sheet_rows import DERIVATIVE, POSITION
-from flexscale.mechanics.energy import FloatArray, IntArray
-from flexscale.mesh.sheet import BoolArray
 
 _UNIT = 1e-6  # by which the length of a unit of the parameters may differ from 1
 _COMPONENTS = {"x": 0, "y": 1, "z": 2}

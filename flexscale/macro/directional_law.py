@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 
 #: What the harmonics of the onset are of: as ONSET_QUANTITIES, but with numbers.
 ONSET, INVERSE_ONSET, NO_ONSET = 0.0, 1.0, 2.0

@@ -5,25 +5,20 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import DATASET, checked, choice, number
-from flexscale.datasets.fit_values import FloatArray
 from flexscale.datasets.given import read_config
-from flexscale.datasets.variables import SCALARS, VARIANTS
+from flexscale.datasets.variables import SCALARS, VARIANTS, WEIGHTINGS, Variant, Weighting
 from flexscale.errors import BadInputError
 from flexscale.macro.assessment import assess
 from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
 from flexscale.macro.flat_response import FlatResponse, fit_softening
 from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.model import MacroModel
-from flexscale.macro.polar import Variant, fit_directions, require_visible_onset
+from flexscale.macro.polar import fit_directions, require_visible_onset
 from flexscale.macro.refine import fit_refined
-from flexscale.macro.rest_stiffness import (
-    read_rest_stiffness,
-    require_same_cell,
-    tangent_of_sweep,
-)
+from flexscale.macro.rest_stiffness import read_rest_stiffness, require_same_cell, tangent_of_sweep
 from flexscale.macro.samples import read_samples
-from flexscale.macro.uniaxial import WEIGHTINGS, Weighting
 
 if TYPE_CHECKING:
     import xarray as xr

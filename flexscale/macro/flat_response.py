@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.samples import Samples
 from flexscale.macro.uniaxial import UniaxialLaw

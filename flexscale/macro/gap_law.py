@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.macro import tensor_law
 from flexscale.macro.tensor_law import N_TABLE
 from flexscale.solve.unilateral import unilateral_forces

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from flexscale import checks
+from flexscale.arrays import FloatArray
 from flexscale.checks import checked, number
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.macro import gap_law
 from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
 from flexscale.macro.harmonics import stiffness_harmonics
@@ -32,16 +33,13 @@ from flexscale.macro.tensors import (
     warn_beyond_tensors,
 )
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.sides import side_sign
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.flat_contact import FlatContact
-    from flexscale.mechanics.contact_options import ContactOptions
-    from flexscale.mechanics.scale_options import ScaleOptions
-    from flexscale.mechanics.substrate_options import SubstrateOptions
-    from flexscale.mesh.options import MeshOptions
     from flexscale.patterns import Pattern
 
 #: mm-1, up to which the model was compared with native cells (benchmarks/gap_models.py).
@@ -85,7 +83,7 @@ class GapModel:
         n = unit_vectors(direction)
         tensors = self.tensor_moment(uniaxial_tensors(curvature, direction, side))
         along = np.einsum("...i,...ij,...j->...", n, tensors, n)
-        return along if side == "closing" else -along
+        return side_sign(side) * along
 
     def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
         """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
@@ -204,20 +202,14 @@ def _ratios(model: GapModel, samples: Samples) -> tuple[FloatArray, FloatArray]:
 @checked(
     pattern=checks.PATTERN,
     sweep=checks.DATASET,
-    mesh=checks.MESH,
-    substrate=checks.SUBSTRATE,
-    scales=checks.SCALES,
-    contact=checks.CONTACT,
+    model=native_model,
     w_biaxial=number("N mm3", 0.0, MOST_W_BIAXIAL, name="w_biaxial"),
 )
 def gap_model(
     pattern: Pattern,
     sweep: xr.Dataset | None = None,
     *,
-    mesh: MeshOptions | None = None,
-    substrate: SubstrateOptions | None = None,
-    scales: ScaleOptions | None = None,
-    contact: ContactOptions | None = None,
+    model: NativeModel | str = "shell",
     w_biaxial: float | None = None,
 ) -> GapModel:
     """The macro model of a pattern's flat cell, in seconds.
@@ -227,9 +219,7 @@ def gap_model(
     pattern : the scale pattern.
     sweep : dataset of kind sweep of the same cell, to which two softenings are fitted; without one
         there are none, and the model is too stiff by what benchmarks/gap_models.py tells.
-    mesh : element sizes; the default mesh if not given.
-    substrate, scales, contact : elements of the sheet, how scales are modeled, and over which edge
-        they touch; the defaults if not given.
+    model : the native model, or the name of one with its default options.
     w_biaxial : N mm3, resistance to double curvature [Eq. 13]; see `biaxial` for its default.
 
     Raises
@@ -248,17 +238,13 @@ def gap_model(
     # Meshing needs system libraries, which models that are there already can do without.
     from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.labels import pattern_scalars
-    from flexscale.mesh.options import MeshOptions
 
-    options = mesh or MeshOptions()
-    problem = CellProblem.from_pattern(
-        pattern, options, contact=contact, substrate=substrate, scales=scales
-    )
-    model = model_of_cell(problem)
-    labels = pattern_scalars(pattern, options)
-    w = choose_w_biaxial(w_biaxial, model.in_plane, pattern.tile_area)
-    model = replace(model, w_biaxial=w, labels=labels)
-    return model if sweep is None else model.fitted(sweep)
+    native = native_model(model)
+    found = model_of_cell(CellProblem.from_pattern(pattern, native))
+    labels = pattern_scalars(pattern, native.mesh)
+    w = choose_w_biaxial(w_biaxial, found.in_plane, pattern.tile_area)
+    found = replace(found, w_biaxial=w, labels=labels)
+    return found if sweep is None else found.fitted(sweep)
 
 
 def model_of_cell(problem: CellProblem) -> GapModel:

@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from flexscale.datasets.fit_values import FloatArray, harmonic_sum
+from flexscale.arrays import FloatArray
+from flexscale.datasets.fit_values import harmonic_sum
 
 #: s stays above this share of the smallest value it was fitted to.
 FLOOR_SHARE = 0.1

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.variables import SIDES
+from flexscale.arrays import FloatArray
+from flexscale.datasets.variables import Variant
 from flexscale.macro.directional_law import INVERSE_ONSET, NO_ONSET, ONSET
 from flexscale.macro.harmonics import Harmonics
-from flexscale.macro.polar import PolarLaw, Variant
+from flexscale.macro.polar import PolarLaw
 from flexscale.macro.tensor_law import (
     BIAXIAL,
     CLOSING,
@@ -23,6 +23,7 @@ from flexscale.macro.tensor_law import (
     TANGENT,
     A,
 )
+from flexscale.sides import SIDES
 
 #: η of `principal`: how much the two curvatures may differ, relative to them, before directions
 #: count. It moves energies where both curvatures are of a size, by a share of η² in between.

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.macro.sheet_problem import SheetProblem, SheetState
-from flexscale.mechanics.energy import FloatArray
 from flexscale.solve.newton import Solution, solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus

@@ -12,27 +12,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale import checks
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.checks import checked, length, series
-from flexscale.datasets.variables import ONE_SIDE
 from flexscale.macro.bent_sheet import TOLERANCE
 from flexscale.macro.conditions import Conditions
 from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.rigs import RigOptions, side_sign
-from flexscale.macro.rim import HUB, Rim
+from flexscale.macro.rigs import RigOptions
+from flexscale.macro.rim import ANGLES, HUB, Rim
 from flexscale.macro.sheet import build_sheet
 from flexscale.macro.sheet_model import SheetModel
 from flexscale.macro.sheet_problem import SheetProblem
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.load_series import finite_series
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh
 from flexscale.short_repr import ShortRepr
+from flexscale.sides import ONE_SIDE, side_sign
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 #: degree, where the disc is pushed if nothing else is said.
-ANGLES = tuple(15.0 * k for k in range(24))
+
 _CLOSE = 1e-9  # share of the radius
 
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import DATASET, checked, require_choice
-from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.variables import SIDES
+from flexscale.datasets.variables import Variant, Weighting
 from flexscale.errors import BadInputError
 from flexscale.macro import tensor_law
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.law_table import build_law_table
-from flexscale.macro.polar import DirectionalLaws, PolarLaw, Variant
+from flexscale.macro.polar import DirectionalLaws, PolarLaw
 from flexscale.macro.storage import read_model, write_model
 from flexscale.macro.summary import describe_errors, describe_laws, describe_sheet
 from flexscale.macro.tensors import (
@@ -27,8 +27,9 @@ from flexscale.macro.tensors import (
     require_same_shape,
     warn_beyond_tensors,
 )
-from flexscale.macro.uniaxial import UniaxialLaw, Weighting
+from flexscale.macro.uniaxial import UniaxialLaw
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.sides import SIDES
 
 if TYPE_CHECKING:
     import xarray as xr

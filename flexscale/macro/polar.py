@@ -4,27 +4,21 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray, onset_curvature
+from flexscale.arrays import FloatArray
+from flexscale.datasets.fit_values import onset_curvature
+from flexscale.datasets.variables import Weighting
 from flexscale.errors import BadInputError
 from flexscale.macro.flat_response import FlatResponse
 from flexscale.macro.harmonics import FLOOR_SHARE, Harmonics, fit_harmonics
-from flexscale.macro.samples import (
-    ORDER_A,
-    ORDER_B,
-    ORDER_KAPPA_0,
-    Samples,
-    well_spread,
-)
-from flexscale.macro.uniaxial import UniaxialLaw, Weighting, fit_uniaxial
+from flexscale.macro.samples import ORDER_A, ORDER_B, ORDER_KAPPA_0, Samples, well_spread
+from flexscale.macro.uniaxial import UniaxialLaw, fit_uniaxial
 
 log = logging.getLogger(__name__)
 
 #: Energies of a curvature tensor, by name; see `tensor_law`.
-Variant = Literal["tangent", "paper"]
 
 #: Samples beyond the onset that b needs: with one, b and κ0 trade off against each other.
 LEAST_BEYOND = 2

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 
 #: b = (b11, b12, b22) from (s, d, o): columns of d(s, d, o)/db.
 TO_INVARIANTS = np.array([[0.5, 0.0, 0.5], [0.5, 0.0, -0.5], [0.0, 1.0, 0.0]])

@@ -18,12 +18,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
+from flexscale.datasets.variables import Weighting
 from flexscale.macro.flat_response import FlatResponse
 from flexscale.macro.harmonics import FLOOR_SHARE, Harmonics, harmonic_matrix
 from flexscale.macro.polar import DirectionalLaws, PolarLaw, fit_polar
 from flexscale.macro.samples import Samples
-from flexscale.macro.uniaxial import UniaxialLaw, Weighting
+from flexscale.macro.uniaxial import UniaxialLaw
 
 _TOLERATED = 0.1  # of the weighted errors, which are relative ones
 _HOLD = 0.02  # weight of the coefficients' own change: it decides what samples do not

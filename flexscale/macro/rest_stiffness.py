@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.datasets.given import read_config
-from flexscale.datasets.schema import schema_of
+from flexscale.datasets.kinds.tangent import TANGENT
 from flexscale.errors import BadInputError, SchemaError
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.samples import Samples
@@ -40,7 +40,7 @@ def read_rest_stiffness(tangent: TangentStiffness | xr.Dataset) -> tuple[FloatAr
     if missing:
         raise SchemaError(
             f"The tangent has no {', '.join(missing)}: give a dataset of kind "
-            f"{schema_of('tangent').name}, or what fs.tangent_stiffness returns."
+            f"{TANGENT.name}, or what fs.tangent_stiffness returns."
         )
     found = [require_array(getattr(tangent, name), f"tangent {name}", "1") for name in names]
     for values, name in zip(found, names, strict=True):
@@ -62,19 +62,13 @@ def tangent_of_sweep(sweep: xr.Dataset) -> TangentStiffness | None:
     if not {"pattern", "mesh", "substrate", "scales"} <= config.keys():
         return None
     # Meshing needs system libraries, which a fit that is given its tangent can do without.
+    from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.tangent import tangent_stiffness
-    from flexscale.mechanics.scale_options import ScaleOptions
-    from flexscale.mechanics.substrate_options import SubstrateOptions
-    from flexscale.mesh.options import MeshOptions
     from flexscale.patterns import Pattern
 
     log.info("fit computes the stiffness of the flat cell from the sweep's recipe")
-    return tangent_stiffness(
-        Pattern.from_config(config["pattern"]),
-        mesh=MeshOptions(**config["mesh"]),
-        substrate=SubstrateOptions(**config["substrate"]),
-        scales=ScaleOptions(**config["scales"]),
-    )
+    pattern = Pattern.from_config(config["pattern"])
+    return tangent_stiffness(pattern, model=NativeModel.from_config(config))
 
 
 def require_same_cell(stiffness: Harmonics, samples: Samples) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexscale.checks import checked, choice, length, whole
-from flexscale.datasets.variables import SIDES
-from flexscale.errors import UnknownNameError, suggest
 from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 
 
@@ -34,10 +32,3 @@ class RigOptions:
     element: str = "c1"
     size: float = 5.0
     steps: int = 2
-
-
-def side_sign(side: str) -> float:
-    """+1 for "closing", -1 for "opening"; UnknownNameError for any other side."""
-    if side not in SIDES:
-        raise UnknownNameError(f"There is no side {side!r}. {suggest(side, SIDES)}")
-    return 1.0 if side == "closing" else -1.0

@@ -12,6 +12,7 @@ from flexscale.units import require_positive
 
 #: mm, radius of the hub that holds the disc; the paper gives none.
 HUB = 10.0
+ANGLES = tuple(15.0 * k for k in range(24))  # degree, around the rim, if nothing else is said
 # The rim has six vertices a ring: rings in fours give it one every 15 degrees or more often.
 _RINGS = 4
 _CLOSE = 1e-6  # degree between an angle and a vertex; share of the hub's radius

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.datasets.given import require_variables
-from flexscale.datasets.variables import SIDES
 from flexscale.errors import BadInputError
 from flexscale.macro.harmonics import harmonic_matrix
 from flexscale.macro.uniaxial import Line
+from flexscale.sides import SIDES
 from flexscale.status import SolveStatus
 
 if TYPE_CHECKING:

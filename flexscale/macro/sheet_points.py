@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import BadInputError
 from flexscale.macro.sheet import Sheet
 from flexscale.macro.sheet_rows import smooth_rows
-from flexscale.mechanics.energy import FloatArray, IntArray
 from flexscale.mechanics.hct import hct_ordinates
 from flexscale.mechanics.sheet_shell import SheetShell
 from flexscale.mesh.sheet import SheetMesh

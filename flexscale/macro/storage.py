@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexscale.datasets.build import build_fit_dataset
+from flexscale.arrays import FloatArray
 from flexscale.datasets.checks import check_dataset
-from flexscale.datasets.fit_values import PARAMETERS, FloatArray
+from flexscale.datasets.fit_values import PARAMETERS
 from flexscale.datasets.given import read_config, require_variables
-from flexscale.datasets.schema import schema_of
-from flexscale.datasets.variables import ASSESSMENTS, SCALARS, SOME_SIDES, STATISTICS
+from flexscale.datasets.kinds.fit import FIT, build_fit_dataset
+from flexscale.datasets.variables import ASSESSMENTS, SCALARS, STATISTICS
 from flexscale.errors import SchemaError
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.polar import DirectionalLaws, PolarLaw
+from flexscale.sides import SOME_SIDES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,7 +83,7 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
     ------
     SchemaError : not a fit.
     """
-    declared = schema_of("fit")
+    declared = FIT
     needed = [v.name for v in (*declared.coordinates, *declared.variables) if not v.optional]
     require_variables(dataset, needed, "A macro model", "fit")
     for name, wanted in _FIXED.items():

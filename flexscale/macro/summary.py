@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.datasets.variables import ASSESSMENTS
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.polar import DirectionalLaws, PolarLaw

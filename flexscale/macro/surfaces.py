@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from flexscale.mechanics.energy import FloatArray
+from flexscale.arrays import FloatArray
 
 #: Parameters (n, 2) -> positions (n, 3) and gradients (n, 3, 2), columns x_u and x_v.
 Surface = Callable[[FloatArray], tuple[FloatArray, FloatArray]]

@@ -27,7 +27,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from flexscale.datasets.fit_values import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.macro.directional_law import directional_energy
 from flexscale.macro.principal import TO_INVARIANTS, principal_jet, principal_state, smooth_radius
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.datasets.fit_values import FloatArray
-from flexscale.datasets.variables import ONE_SIDE
+from flexscale.arrays import FloatArray
 from flexscale.errors import UnitRangeError, shown
 from flexscale.macro.extrapolation import warn_beyond
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.sides import side_sign
 from flexscale.units import LENGTHS, require_array
 
 
@@ -70,7 +70,7 @@ def uniaxial_tensors(curvature: ArrayLike, direction: ArrayLike, side: str) -> F
     ------
     UnitRangeError, UnknownNameError : numbers out of range, no such side.
     """
-    sign = 1.0 if ONE_SIDE(side, "side") == "closing" else -1.0
+    sign = side_sign(side)
     kappa = sign * require_curvatures(curvature)
     n = unit_vectors(direction)
     require_same_shape(kappa, n[..., 0])

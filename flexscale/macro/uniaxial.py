@@ -10,15 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexscale.datasets.fit_values import FloatArray, two_regime_energy, two_regime_moment
-
-Weighting = Literal["relative", "absolute"]
-WEIGHTINGS: tuple[Weighting, ...] = ("relative", "absolute")
+from flexscale.arrays import FloatArray
+from flexscale.datasets.fit_values import two_regime_energy, two_regime_moment
+from flexscale.datasets.variables import Weighting
 
 #: Without measured contact: least ratio b / a, and least gain in n ln(rss) beyond the two
 #: variables' ln(n) each (six is strong evidence), for a kink to count as contact.

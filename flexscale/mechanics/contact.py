@@ -14,8 +14,8 @@ import ipctk
 import numpy as np
 import scipy.sparse as sp
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mechanics.contact_gaps import LinearGaps
-from flexscale.mechanics.energy import FloatArray, IntArray
 
 ipctk.set_num_threads(1)
 

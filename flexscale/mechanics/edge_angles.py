@@ -36,9 +36,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mechanics.constant_strain import triangle_gradients
 from flexscale.mechanics.dihedral import add_angle_gradient, add_angle_hessian, edge_frame
-from flexscale.mechanics.energy import FloatArray, IntArray
 
 
 @njit(cache=True)

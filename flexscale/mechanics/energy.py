@@ -10,10 +10,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from flexscale.arrays import FloatArray, IntArray
 
 
 class Energy(Protocol):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.mechanics.energy import FloatArray
+from flexscale.arrays import FloatArray
 
 # Degree-4 rule with six points on a triangle (D. A. Dunavant 1985), barycentric.
 _A1, _W1 = 0.445948490915965, 0.223381589678011

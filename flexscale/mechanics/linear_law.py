@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import UnitRangeError
-from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.units import require_positive, require_range
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import BadInputError, UnitRangeError
-from flexscale.mechanics.energy import FloatArray
 from flexscale.units import require_increasing, require_positive, require_series
 
 #: mm, how far the hinges of a stage have come closer if nothing else is said.

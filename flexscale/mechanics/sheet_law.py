@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numba import float64, int64, njit, types, void
 
-from flexscale.mechanics.energy import FloatArray
+from flexscale.arrays import FloatArray
 
 _VECTOR = types.Array(float64, 1, "C")
 _MATRIX = types.Array(float64, 2, "C")

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 from numba import njit
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, QUADRATURE_POINTS, hct_derivatives, hct_ordinates
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.shell_forms import (

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.mechanics.constant_strain import triangle_gradients
 from flexscale.mechanics.edge_angles import EdgeStencils
-from flexscale.mechanics.energy import FloatArray
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.sheet_shell import CHUNK
 from flexscale.mechanics.sheet_triangle_kernels import (

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mechanics.hct import N_DOFS, hct_derivatives
 from flexscale.mechanics.layered_law import layered_energy, layered_law
 from flexscale.mechanics.shell_forms import (

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import MeshError
 from flexscale.mesh.patches import fit_affine, quadratic_values
-from flexscale.mesh.periodic_mesh import FloatArray, IntArray, PeriodicMesh
+from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.simplices import TRIANGLE_EDGES
 
 TOLERANCE = 1e-7  # in barycentric coordinates: a point this far outside still is on the triangle

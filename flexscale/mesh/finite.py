@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import MeshError
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import FREE, PeriodicMesh
@@ -25,8 +26,6 @@ from flexscale.mesh.torus import IDENTITY, join_tiles
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import SheetTiles
-
-FloatArray = NDArray[np.float64]
 
 APART = 3.0  # width of the lattice cell over the sheet's: images are out of reach
 

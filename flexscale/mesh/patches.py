@@ -10,12 +10,9 @@ reproduce every affine motion, so a force on X0 hands the surface the same force
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.simplices import TRIANGLE_EDGES
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ROUNDING = 1e-6  # mirror images must be cut alike although their lengths differ in the last bits
 FLAT = 1e-9  # of the largest second moment: directions thinner than this are not fitted

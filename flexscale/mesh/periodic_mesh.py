@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import MeshError
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Int8Array = NDArray[np.int8]
 
 FREE, OUTLINE, OUTLINE_CORNER, COVERED = 0, 1, 2, 3  # values of `vertex_kind`

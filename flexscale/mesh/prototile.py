@@ -10,18 +10,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import MeshError
 from flexscale.gmsh_library import load_gmsh
 from flexscale.mesh.subdivision import ROUNDING
 from flexscale.mesh.wedge import CENTER, Region, fundamental_loops
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _GMSH_TRIANGLE = 2
 _GMSH_OPTIONS = {

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import IntArray
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.simplices import TET_EDGES, TRIANGLE_EDGES
-
-IntArray = NDArray[np.int64]
 
 
 def elevate_scales(mesh: PeriodicMesh) -> PeriodicMesh:

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.prototile import SAME_POINT, Filling, fill_region
 from flexscale.mesh.quality import triangle_qualities
@@ -22,10 +22,6 @@ from flexscale.mesh.strip import split_row
 from flexscale.mesh.wedge import make_region
 from flexscale.patterns.outlines import inset_corners, inset_edges, merge_runs
 from flexscale.patterns.symmetry import Isometry
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 DEEPEST = 0.5  # of the inset at which the base would fall apart: strips stay clear of it
 FLATTEST = 0.05  # quality: a strip with worse triangles is left out

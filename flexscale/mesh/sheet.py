@@ -7,15 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import MeshError
 from flexscale.units import require_positive
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
 
 MOST_TRIANGLES = 300_000  # of a macro sheet: one equilibrium takes a minute or more
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.subdivision import LoopNodes, in_first_half, turns
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CLEARLY_SHORTER = 1.0 - 1e-6  # diagonals closer than this in length count as equal
 

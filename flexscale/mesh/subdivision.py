@@ -12,14 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.patterns.junctions import turning_angles
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 ROUNDING = 1e-6  # relative: lengths that differ by rounding must give the same number of elements
 STRAIGHT = 1e-5  # radians: a polygon counts as straight where it turns less

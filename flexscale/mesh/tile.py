@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import COVERED, FREE, OUTLINE, OUTLINE_CORNER
 from flexscale.mesh.prisms import extrude
@@ -28,10 +29,6 @@ from flexscale.patterns import Prototile
 from flexscale.patterns.cell import SHARP_TURN
 from flexscale.patterns.junctions import turning_angles
 from flexscale.patterns.outlines import MITRE_LIMIT, mitre_points
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 GOOD = 0.3  # quality: better strips along the gap need not be compared with anything
 CLEARLY_BETTER = 1.3

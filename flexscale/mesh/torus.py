@@ -8,23 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mesh.estimate import require_moderate_mesh
 from flexscale.mesh.options import MeshOptions
-from flexscale.mesh.periodic_mesh import (
-    COVERED_EDGE,
-    FREE,
-    GAP_EDGE,
-    PeriodicMesh,
-)
+from flexscale.mesh.periodic_mesh import COVERED_EDGE, FREE, GAP_EDGE, PeriodicMesh
 from flexscale.mesh.prisms import surface_of
 from flexscale.mesh.quadratic import elevate_scales
 from flexscale.mesh.tile import TileMesh, build_tile_mesh, find_tip_sizes
 from flexscale.mesh.topology import TorusEdges, build_edges
 from flexscale.patterns import Isometry, Pattern
 from flexscale.patterns.corners import torus_classes
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 IDENTITY = Isometry(np.eye(2), np.zeros(2))
 SAME_NODE = 1e-7  # relative to the root of a tile's mean area

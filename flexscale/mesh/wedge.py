@@ -9,12 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.patterns.symmetry import Isometry
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CENTER = -1  # stands for the center among node numbers
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import PatternError
 from flexscale.patterns.corners import (
     ROUNDING,
-    IntArray,
     corner_classes,
     merge_corners,
     numbered,
@@ -27,7 +27,6 @@ from flexscale.patterns.corners import (
 )
 from flexscale.patterns.drawing import FINEST, tile_size
 from flexscale.patterns.junctions import insert_junctions, turns_of_tiles, without_idle_corners
-from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 AREA_TOLERANCE = 1e-3  # relative: edges that pair up leave only whole multiples of the cell's area
 # Where two tiles meet, a smaller turn is a curve, not a corner; no turn that a regular polygon has.

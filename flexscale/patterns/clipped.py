@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from flexscale.arrays import BoolArray, FloatArray
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import TiledCell, build_cell, polygon_area
 from flexscale.patterns.outlines import inset_corners
 from flexscale.patterns.overlay import intersection
 from flexscale.patterns.pattern import Pattern
 from flexscale.patterns.prototiles import Prototile, TileCopy, find_prototiles
-from flexscale.patterns.symmetry import BoolArray, FloatArray
 from flexscale.short_repr import ShortRepr
 from flexscale.units import require_finite, require_positive
 

@@ -11,10 +11,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from flexscale.patterns.symmetry import FloatArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.tilings.lattice import reduction
 
-IntArray = NDArray[np.int64]
 Image = tuple[int, int, int]  # a tile, and the lattice vector that it is moved by
 
 ROUNDING = 1e-9  # of a tile's size: points closer than this are one but for rounding

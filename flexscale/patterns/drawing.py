@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import PatternError
-from flexscale.patterns.symmetry import FloatArray
 
 KEPT = 1e-9  # of a tile's size: how finely corners are kept
 HELD = 1e-6  # of a tile's size: where floats hold corners less finely, the pattern is refused

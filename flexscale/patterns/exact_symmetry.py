@@ -16,11 +16,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import TiledCell, build_cell, sharp_corners
-from flexscale.patterns.corners import ROUNDING, IntArray, corner_classes, split_like
+from flexscale.patterns.corners import ROUNDING, corner_classes, split_like
 from flexscale.patterns.drawing import Drawing
-from flexscale.patterns.symmetry import FloatArray
 from flexscale.tilings.bravais import NICE_ANGLE, closed_part, multiply
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
 from flexscale.tilings.wallpaper import DrawnSymmetry, SymmetryOperation

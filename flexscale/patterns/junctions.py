@@ -8,15 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from flexscale.patterns.corners import (
-    ROUNDING,
-    Image,
-    IntArray,
-    corner_classes,
-    numbered,
-    successors,
-)
-from flexscale.patterns.symmetry import BoolArray, FloatArray
+from flexscale.arrays import BoolArray, FloatArray, IntArray
+from flexscale.patterns.corners import ROUNDING, Image, corner_classes, numbered, successors
 from flexscale.tilings.lattice import reduction
 
 IDLE_TURN = 2e-5  # radians: where two tiles meet, a corner that turns less is none

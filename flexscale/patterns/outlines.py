@@ -15,12 +15,11 @@ from functools import cache
 import numpy as np
 import shapely
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import PatternError
 from flexscale.patterns.cell import polygon_area
-from flexscale.patterns.corners import IntArray
 from flexscale.patterns.junctions import turning_angles
 from flexscale.patterns.overlay import difference, symmetric_difference, union
-from flexscale.patterns.symmetry import BoolArray, FloatArray
 
 MITRE_LIMIT = 20.0  # longest mitre over half the gap; sharper notches (below 6°) are cut off
 ROUNDING = 1e-9  # of the inset: corners closer than this are one

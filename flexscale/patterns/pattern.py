@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexscale import checks
+from flexscale.arrays import FloatArray
 from flexscale.checks import Check, checked, instance, length, number
 from flexscale.errors import PatternError, SchemaError, shown, suggest
 from flexscale.names import require_name
@@ -19,7 +20,6 @@ from flexscale.patterns.drawing import read_drawing
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
 from flexscale.patterns.polygons import lattice_vector, polygons
 from flexscale.patterns.prototiles import CONGRUENT, Prototile, TileCopy, find_prototiles
-from flexscale.patterns.symmetry import FloatArray
 from flexscale.patterns.typed_cell import symmetrized_drawing, typed_cell
 from flexscale.tilings import Tiling
 from flexscale.tilings.drawn_symmetry import TOLERANCE, drawn_symmetry, primitive_cell

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import PatternError, UnitRangeError, shown
-from flexscale.patterns.symmetry import FloatArray
 from flexscale.units import require_array, require_series
 
 LONGEST = 1e9  # mm, of a lattice vector: floats then hold 1e-7 mm

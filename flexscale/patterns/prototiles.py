@@ -6,15 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexscale.arrays import BoolArray, FloatArray
 from flexscale.patterns.cell import TiledCell
 from flexscale.patterns.outlines import scale_outlines
-from flexscale.patterns.symmetry import (
-    BoolArray,
-    FloatArray,
-    Isometry,
-    congruence_measures,
-    polygon_isometries,
-)
+from flexscale.patterns.symmetry import Isometry, congruence_measures, polygon_isometries
 
 # Copies and images must meet to rounding: tiles that are congruent only to the digits somebody
 # typed are different shapes, and a polygon symmetric only to those digits has no symmetry.

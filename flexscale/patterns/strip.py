@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import PatternError
 from flexscale.patterns.clipped import (
     MOST_TRIES,
@@ -19,7 +20,6 @@ from flexscale.patterns.clipped import (
 )
 from flexscale.patterns.pattern import Pattern
 from flexscale.patterns.prototiles import find_prototiles
-from flexscale.patterns.symmetry import FloatArray
 from flexscale.units import require_finite, require_positive
 
 _LONGEST = 12  # lattice vectors whose sum the strip may follow

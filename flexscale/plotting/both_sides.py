@@ -15,13 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from flexscale.plotting.cell_geometry import cell_offsets, shape_surfaces
 from flexscale.plotting.raster import View
-from flexscale.plotting.scene import (
-    BESIDE_AXIS,
-    draw_panel,
-    draw_ruler,
-    half_window,
-    sample_title,
-)
+from flexscale.plotting.scene import BESIDE_AXIS, draw_panel, draw_ruler, half_window, sample_title
 from flexscale.plotting.selection import pick_sides, pick_values, require_variables, subject
 from flexscale.plotting.style import (
     CONTACT_COLOR,

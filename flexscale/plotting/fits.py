@@ -14,21 +14,16 @@ from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import ANGLE, DATASET, checked
 from flexscale.datasets.fit_values import (
     PARAMETERS,
-    FloatArray,
     fit_parameters,
     two_regime_energy,
     two_regime_moment,
 )
 from flexscale.errors import BadInputError
-from flexscale.plotting.polar_axes import (
-    PolarCurve,
-    common_radius,
-    draw_polar_curves,
-    polar_axes,
-)
+from flexscale.plotting.polar_axes import PolarCurve, common_radius, draw_polar_curves, polar_axes
 from flexscale.plotting.selection import (
     pick_sides,
     pick_values,

@@ -10,15 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 
+from flexscale.arrays import FloatArray
 from flexscale.checks import DATASET, checked
-from flexscale.datasets.fit_values import FloatArray, fit_parameters, two_regime_moment
+from flexscale.datasets.fit_values import fit_parameters, two_regime_moment
 from flexscale.plotting.polar import moment_curves
-from flexscale.plotting.polar_axes import (
-    PolarCurve,
-    common_radius,
-    draw_polar_curves,
-    polar_axes,
-)
+from flexscale.plotting.polar_axes import PolarCurve, common_radius, draw_polar_curves, polar_axes
 from flexscale.plotting.selection import pick_sides, pick_values, require_variables, subject
 from flexscale.plotting.style import (
     MACRO_COLOR,

@@ -10,13 +10,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from flexscale.arrays import FloatArray
 from flexscale.plotting.cell_geometry import SHAPE_VARIABLES, cell_offsets, shape_surfaces
 from flexscale.plotting.raster import View
 from flexscale.plotting.scene import draw_panel, draw_ruler, half_window
 from flexscale.plotting.selection import require_variables, subject
 from flexscale.plotting.style import PAGE_WIDTH, add_note, flexscale_style, new_figure
 
-FloatArray = np.ndarray
 _ROWS = ("planar start", "in equilibrium under the bend")
 _COLUMNS = ("curvilinear space", "world space")
 

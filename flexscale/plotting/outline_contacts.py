@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-FloatArray = np.ndarray
-IntArray = np.ndarray
+from flexscale.arrays import FloatArray, IntArray
 
 TOUCH = 1e-9  # closer points touch; outlines have about unit size
 

@@ -12,12 +12,7 @@ from matplotlib.figure import Figure
 
 from flexscale.checks import DATASET, checked, text
 from flexscale.errors import BadInputError
-from flexscale.plotting.polar_axes import (
-    PolarCurve,
-    common_radius,
-    draw_polar_curves,
-    polar_axes,
-)
+from flexscale.plotting.polar_axes import PolarCurve, common_radius, draw_polar_curves, polar_axes
 from flexscale.plotting.selection import (
     pick_sides,
     pick_values,

@@ -23,8 +23,7 @@ from flexscale.plotting.style import (
     new_figure,
 )
 
-FloatArray = np.ndarray
-Rings = Sequence[FloatArray]  # outlines (n_i, 2) of an area, mm: outer ones turn left, holes right
+Rings = Sequence[np.ndarray]  # outlines (n_i, 2) of an area, mm: outer ones turn left, holes right
 
 _VIEW = View(azimuth=-62.0, elevation=38.0)
 _OBLIQUE_PIXELS = 640  # across the picture
@@ -35,8 +34,8 @@ _INK = "#222222"
 class PrintableBody:
     """Surface of one material: vertices (n, 3) mm, faces (m, 3) corners, color in 0..1."""
 
-    vertices: FloatArray
-    faces: FloatArray
+    vertices: np.ndarray
+    faces: np.ndarray
     color: Color
 
 
@@ -143,13 +142,13 @@ def _fill(
         )
 
 
-def _closed(rings: Rings) -> list[FloatArray]:
+def _closed(rings: Rings) -> list[np.ndarray]:
     return [np.vstack([ring, ring[:1]]) for ring in rings]
 
 
 def _oblique_image(
     bodies: Sequence[PrintableBody],
-) -> tuple[FloatArray, tuple[float, float, float, float]]:
+) -> tuple[np.ndarray, tuple[float, float, float, float]]:
     """Shaded picture, and its window (left, right, bottom, top) in mm of the view."""
     corners = [_VIEW.project(body.vertices.astype(float))[body.faces] for body in bodies]
     counts = [len(body.faces) for body in bodies]

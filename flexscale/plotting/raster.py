@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FloatArray = np.ndarray
+from flexscale.arrays import FloatArray
 
-# Light from the upper left behind the viewer, in view coordinates (right, up, toward viewer).
 _LIGHT = np.array([-0.42, 0.62, 0.66])
 _AMBIENT = 0.5
 _CREASE_COSINE = 0.85  # surfaces of one body meeting at a sharper angle get an ink line

@@ -9,9 +9,9 @@ import xarray as xr
 
 from flexscale.checks import choices
 from flexscale.datasets.given import require_variables as require_variables
-from flexscale.datasets.variables import SIDES
 from flexscale.errors import BadInputError
 from flexscale.plotting.style import unit_text
+from flexscale.sides import SIDES
 from flexscale.units import require_series
 
 

@@ -10,13 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import BadInputError
 from flexscale.plotting.cell_geometry import cell_offsets
 from flexscale.plotting.style import NOTE_COLOR, PAGE_WIDTH, flexscale_style, new_figure
 from flexscale.plotting.tiling_edges import TileEdge, draw_edges, kind_handles
 from flexscale.plotting.tiling_shapes import AspectLook, aspect_looks, draw_tiles
-
-FloatArray = np.ndarray
 
 _HEIGHT = 4.3  # inch
 _PATCH_SHARE = (1.5, 1.0)  # widths of the two panels

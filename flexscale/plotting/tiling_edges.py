@@ -16,10 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
+from flexscale.arrays import FloatArray
 from flexscale.plotting.style import FAILED_COLOR, NOTE_COLOR
 from flexscale.plotting.tiling_shapes import OUTLINE_COLOR, AspectLook, draw_tiles
-
-FloatArray = np.ndarray
 
 KIND_LINESTYLES: dict[str, Any] = {
     "J": "-",

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from flexscale.arrays import FloatArray
 from flexscale.plotting.style import add_note, flexscale_style, new_figure
 from flexscale.plotting.tiling_shapes import aspect_looks, draw_tiles, tiles_in_window
-
-FloatArray = np.ndarray
 
 _PANEL = (0.86, 1.02)  # inch, with its title
 _LINE = 0.12  # inch, of a title, beyond the first

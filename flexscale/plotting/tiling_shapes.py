@@ -15,9 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
+from flexscale.arrays import FloatArray
 from flexscale.plotting.style import Color
-
-FloatArray = np.ndarray
 
 ASPECT_COLORS = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#0072B2", "#CC79A7", "#D55E00")
 OUTLINE_COLOR = "#222222"

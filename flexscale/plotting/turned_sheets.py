@@ -14,12 +14,7 @@ from matplotlib.projections.polar import PolarAxes
 
 from flexscale.checks import DATASET, checked
 from flexscale.errors import MissingDataError
-from flexscale.plotting.polar_axes import (
-    PolarCurve,
-    common_radius,
-    draw_polar_curves,
-    polar_axes,
-)
+from flexscale.plotting.polar_axes import PolarCurve, common_radius, draw_polar_curves, polar_axes
 from flexscale.plotting.selection import pick_sides, require_variables, subject, unconverged
 from flexscale.plotting.style import (
     MACRO_COLOR,

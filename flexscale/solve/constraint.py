@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.mechanics.energy import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.solve.linear import Factorization
 
 

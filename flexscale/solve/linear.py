@@ -18,8 +18,8 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import FlexScaleError, MissingSystemPartError, UnknownNameError, suggest
-from flexscale.mechanics.energy import FloatArray, IntArray
 
 ENVIRONMENT_VARIABLE = "FLEXSCALE_LINEAR_SOLVER"
 

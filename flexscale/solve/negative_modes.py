@@ -20,7 +20,7 @@ from typing import Protocol
 
 import numpy as np
 
-from flexscale.mechanics.energy import FloatArray
+from flexscale.arrays import FloatArray
 
 MOST_STEPS = 6  # of the block Krylov iteration; more would cost more than another search direction
 SPARE = 4  # vectors of a block beyond those sought

@@ -15,7 +15,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, FloatArray
+from flexscale.arrays import FloatArray
+from flexscale.mechanics.energy import ALL, CONTACT, NOTHING
 from flexscale.solve.negative_modes import System, negative_modes
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
-from flexscale.mechanics.energy import IntArray
+from flexscale.arrays import IntArray
 from flexscale.solve.linear import nested_dissection
 
 MANY = 14  # scales, from which on nested dissection leaves fewer operations

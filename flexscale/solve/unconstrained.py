@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.solve.linear import Factorization
 
 

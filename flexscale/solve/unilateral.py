@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from flexscale.mechanics.energy import FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 
 _TOLERANCE = 1e-9  # share of what is missing most, and of a diagonal entry of S
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from flexscale.errors import DatasetError
+from flexscale.errors import BadInputError, DatasetError
 from flexscale.steps.catalog import STEPS
 
 if TYPE_CHECKING:
@@ -52,8 +52,9 @@ def _earlier(step: str, registry: Registry) -> list[tuple[Mapping[str, Any], flo
         if "wall_seconds" not in run or run.get("resumed"):
             continue
         try:
-            n_samples = STEPS[step].parameters.model_validate(parameters).n_samples
-        except ValidationError:  # of a version with other parameters
+            task = STEPS[step].task(parameters)
+            n_samples = task.block.n_samples(task.pattern)
+        except (ValidationError, BadInputError):  # of a version with other parameters
             continue
         # Processor time, where it was recorded, is not lengthened by a busy machine.
         seconds = run.get("cpu_seconds", run["wall_seconds"] * run.get("workers", 1))

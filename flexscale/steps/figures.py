@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe
 from flexscale.errors import BadInputError
+from flexscale.steps.catalog import FIGURES
 
 if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
@@ -18,84 +18,6 @@ if TYPE_CHECKING:
 
 #: Name of the jobs that draw; they make pictures, no datasets.
 FIGURE = "figure"
-
-
-@dataclass(frozen=True)
-class FigureRecipe:
-    """One figure of an experiment: the steps whose datasets it shows, how, and its caption.
-
-    `draw` is handed the plotting package, which loads only where something is drawn, and the
-    datasets in the order of `needs`.
-    """
-
-    needs: tuple[str, ...]
-    draw: Callable[..., Any]
-    caption: str
-
-
-FIGURES = {
-    "polar": FigureRecipe(
-        ("sweep",),
-        lambda plot, sweep: plot.polar(sweep, side=[str(side) for side in sweep["side"].values]),
-        "Bending moment against bending direction, one curve per curvature.",
-    ),
-    "curves": FigureRecipe(
-        ("sweep",),
-        lambda plot, sweep: plot.curves(sweep),
-        "Bending moment against curvature, one line per direction.",
-    ),
-    "tangent": FigureRecipe(
-        ("tangent",),
-        lambda plot, tangent: plot.stiffness(tangent),
-        "Bending stiffness of the flat sheet against direction.",
-    ),
-    "cell": FigureRecipe(
-        ("shape",),
-        lambda plot, shape: plot.cell(shape),
-        "The deformed cell with its lattice images.",
-    ),
-    "fit": FigureRecipe(
-        ("fit", "sweep"),
-        lambda plot, fit, sweep: plot.fit(fit, sweep),
-        "Stiffness before and after contact and contact curvature against direction, with their "
-        "harmonics, and the fit in the direction of first contact.",
-    ),
-    "fitted_curves": FigureRecipe(
-        ("fit", "sweep"),
-        lambda plot, fit, sweep: plot.curves(sweep, fit=fit),
-        "Bending moment against curvature: samples, and the fit on top.",
-    ),
-    "macro_polar": FigureRecipe(
-        ("fit", "sweep"),
-        lambda plot, fit, sweep: plot.macro_polar(fit, sweep),
-        "Bending moment against bending direction: native samples and the macro model.",
-    ),
-    "sheet": FigureRecipe(
-        ("sheet",),
-        lambda plot, sheet: plot.sheet(sheet),
-        "Energy of a sheet between end strips against their curvature.",
-    ),
-    "turned_sheet": FigureRecipe(
-        ("turned_sheet", "sweep"),
-        lambda plot, turned, sweep: plot.turned_sheet(turned, sweep),
-        "Energy density of sheets against the direction of the pattern on them, and of the cell.",
-    ),
-    "native_sheet": FigureRecipe(
-        ("native_sheet",),
-        lambda plot, sheet: plot.sheet(sheet),
-        "Energy of a sheet of scales between end strips against their curvature.",
-    ),
-    "rig": FigureRecipe(
-        ("rig",),
-        lambda plot, rig: plot.rig(rig),
-        "Force on the testing devices: around the mandrel, and against the stage's shortening.",
-    ),
-    "native_rig": FigureRecipe(
-        ("native_rig",),
-        lambda plot, rig: plot.rig(rig),
-        "Force on a strip of scales on the stage, against its shortening.",
-    ),
-}
 
 
 def draw_dataset(entry: Entry, registry: Registry) -> Any:
@@ -177,6 +99,7 @@ def _made_from(sources: Sequence[Entry]) -> str:
     digest = hashlib.sha256("".join(source.content_digest for source in sources).encode())
     package = Path(__file__).parents[1]
     code = [*(package / "plotting").glob("*.py"), *(package / "plotting").glob("*.mplstyle")]
-    for path in [Path(__file__), package / "datasets" / "fit_values.py", *sorted(code)]:
+    kinds = sorted((package / "steps" / "kinds").glob("*.py"))
+    for path in [*kinds, package / "datasets" / "fit_values.py", *sorted(code)]:
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from flexscale.datasets.identity import SHORT_DIGEST, Recipe
 from flexscale.patterns.pattern import Pattern
-from flexscale.steps.catalog import STEPS
-from flexscale.steps.experiment import Experiment, TangentBlock
-from flexscale.steps.figures import FIGURE, FIGURES, figure_recipe
+from flexscale.steps.catalog import FIGURES
+from flexscale.steps.experiment import Experiment
+from flexscale.steps.figures import FIGURE, figure_recipe
 
 if TYPE_CHECKING:
     from flexscale.datasets.store import Entry, Store
@@ -92,60 +92,24 @@ def build_plan(experiment: Experiment) -> Plan:
     ------
     BadInputError : a pattern cannot be used.
     """
-    mesh = experiment.mesh.to_config()
     patterns = experiment.build_patterns().values()
-    return Plan(tuple(job for pattern in patterns for job in _jobs_of(pattern, experiment, mesh)))
+    return Plan(tuple(job for pattern in patterns for job in _jobs_of(pattern, experiment)))
 
 
-def _jobs_of(pattern: Pattern, experiment: Experiment, mesh: dict[str, object]) -> list[Job]:
-    """Jobs of one pattern: the steps the experiment has blocks for, then its figures."""
+def _jobs_of(pattern: Pattern, experiment: Experiment) -> list[Job]:
+    """Jobs of one pattern: the steps the experiment wants, then its figures."""
     made: dict[str, Job] = {}
-    for name, extra in _wanted_steps(experiment).items():
-        step = STEPS[name]
-        parameters = step.parameters.model_validate(
-            {"pattern": pattern.to_config(), "mesh": mesh, **extra}
+    for step, block in experiment.wanted():
+        recipe = step.recipe(step.parameters(pattern, experiment.native, block))
+        sources = [made[needed] for needed in block.inputs]
+        made[step.name] = _job(
+            step.name, step.name, pattern, recipe, sources, block.n_samples(pattern)
         )
-        recipe, sources = step.recipe(parameters), [made[needed] for needed in step.inputs]
-        made[name] = _job(name, name, pattern, recipe, sources, parameters.n_samples)
     figures = [
         _job(FIGURE, name, pattern, figure_recipe(name), [made[n] for n in FIGURES[name].needs])
         for name in experiment.figures
     ]
     return [*made.values(), *figures]
-
-
-def _wanted_steps(experiment: Experiment) -> dict[str, dict[str, object]]:
-    """Step name -> parameters besides pattern and mesh."""
-    native: dict[str, object] = {
-        "substrate": experiment.substrate.to_config(),
-        "scales": experiment.scales.to_config(),
-    }
-    options: dict[str, object] = native | {
-        "contact": experiment.contact.to_config(),
-        "solver": experiment.solver.to_config(),
-    }
-    wanted: dict[str, dict[str, object]] = {"cell": {}}
-    if experiment.tangent or experiment.fit or experiment.turned_sheet:
-        block = experiment.tangent or TangentBlock()
-        wanted["tangent"] = block.model_dump() | native
-    if experiment.sweep is not None:
-        wanted["sweep"] = experiment.sweep.model_dump() | options
-    if experiment.fit is not None:
-        wanted["fit"] = experiment.fit.model_dump()
-    if experiment.sheet is not None:
-        wanted["sheet"] = experiment.sheet.model_dump()
-    if experiment.turned_sheet is not None:
-        wanted["turned_sheet"] = experiment.turned_sheet.model_dump()
-    if experiment.native_sheet is not None:
-        wanted["native_sheet"] = experiment.native_sheet.model_dump() | options
-    if experiment.rigs is not None:
-        wanted["rig"] = experiment.rigs.model_dump()
-    if experiment.native_rig is not None:
-        wanted["native_rig"] = experiment.native_rig.model_dump() | options
-    if experiment.shapes:
-        samples: object = [shape.model_dump() for shape in experiment.shapes]
-        wanted["shape"] = {"samples": samples} | options
-    return wanted
 
 
 def _job(

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexscale.datasets.identity import content_digest
-from flexscale.steps.base import Resources
 from flexscale.steps.catalog import STEPS
+from flexscale.steps.step import Resources
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,9 +65,9 @@ def recompute(entry: Entry, registry: Registry, workers: int = 1) -> Recomputed:
     record = registry.record(entry)
     step, recipe = STEPS[record["recipe"]["step"]], record["recipe"]
     inputs = {item["id"].split(":")[0]: registry.load(item["id"]) for item in record["inputs"]}
-    parameters = step.parameters.model_validate(recipe["parameters"])
+    task = step.task(recipe["parameters"])
     started = time.monotonic()
-    dataset = step.compute(parameters, inputs, Resources(workers=workers if step.parallel else 1))
+    dataset = step.compute(task, inputs, Resources(workers=workers if step.parallel else 1))
     seconds = time.monotonic() - started
     same = content_digest(dataset) == entry.content_digest
     differences = {} if same else relative_differences(dataset, registry.load(entry))

@@ -17,7 +17,6 @@ import psutil
 
 from flexscale.datasets.store import Entry, Store
 from flexscale.errors import FlexScaleError
-from flexscale.steps.base import Resources
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.environment import EVENTS, RUN_PID
 from flexscale.steps.events import EventWriter
@@ -25,6 +24,7 @@ from flexscale.steps.experiment import load_experiment
 from flexscale.steps.figures import FIGURE, draw_figure
 from flexscale.steps.job_ends import RESUME
 from flexscale.steps.plan import Job, Plan, build_plan
+from flexscale.steps.step import Resources
 from flexscale.steps.summary import failed_samples
 from flexscale.system_failures import explain
 
@@ -58,7 +58,7 @@ def _compute(
 ) -> Entry:
     started, spent = time.monotonic(), _cpu_seconds()
     step = STEPS[job.step]
-    parameters = step.parameters.model_validate(job.recipe.parameters)
+    task = step.task(job.recipe.parameters)
     datasets = {entry.kind: store.load(entry) for entry in inputs}
     checkpoint = store.checkpoint(job.recipe, inputs) if step.resumable else None
     resumed = checkpoint is not None and checkpoint.has_samples
@@ -67,7 +67,7 @@ def _compute(
         checkpoint=checkpoint,
         on_sample=lambda event: events.write("sample", job.id, **_facts(event)),
     )
-    dataset = step.compute(parameters, datasets, resources)
+    dataset = step.compute(task, datasets, resources)
     usage = [resource.getrusage(who).ru_maxrss for who in _WHO]
     record: dict[str, Any] = {
         "wall_seconds": round(time.monotonic() - started, 3),

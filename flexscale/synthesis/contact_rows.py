@@ -16,9 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from flexscale.fabricate.layout import FloatArray
-from flexscale.synthesis.prisms import IntArray
-from flexscale.synthesis.separation import BoolArray, Separations, World
+from flexscale.arrays import BoolArray, FloatArray, IntArray
+from flexscale.synthesis.separation import Separations, World
 
 _SAME = 1e-9  # mm, between corners that are one but for rounding
 _ON_EDGE = 1e-6  # mm: vertices closer to a line lie on it

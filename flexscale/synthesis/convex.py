@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexscale.fabricate.layout import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.fabricate.solids import triangles_of
 
 _STRAIGHT = 1e-6  # sine of the turn to the right that still counts as straight

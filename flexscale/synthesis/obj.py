@@ -6,8 +6,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from flexscale.fabricate.layout import FloatArray
-from flexscale.synthesis.prisms import IntArray
+from flexscale.arrays import FloatArray, IntArray
 
 
 def write_obj(

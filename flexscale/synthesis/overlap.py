@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from flexscale.fabricate.layout import FloatArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.short_repr import ShortRepr
 from flexscale.synthesis.placement import Placement
-from flexscale.synthesis.prisms import ConvexParts, IntArray
+from flexscale.synthesis.prisms import ConvexParts
 from flexscale.synthesis.separation import World, place_parts, separations
 
 TOUCHING = 1e-9  # mm: depths up to this are rounding

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from flexscale.fabricate.layout import FloatArray, Layout, lay_out, moved, no_whole_scale
+from flexscale.arrays import FloatArray
+from flexscale.fabricate.layout import Layout, lay_out, moved, no_whole_scale
 from flexscale.fabricate.shapes import Rectangle
 from flexscale.fabricate.solids import triangles_of
 from flexscale.macro.bent_sheet import BentSheet

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexscale.fabricate.layout import FloatArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.fabricate.solids import triangles_of
 from flexscale.mechanics.hct import QUADRATURE_POINTS, QUADRATURE_WEIGHTS
 from flexscale.synthesis.convex import convex_parts
 from flexscale.synthesis.placement import Placement
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from flexscale.fabricate.layout import FloatArray
+from flexscale.arrays import FloatArray
 
 _MOST_ITERATIONS = 60
 _SHORT_OF_ZERO = 0.995

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial.transform import Rotation
 
-from flexscale.fabricate.layout import FloatArray
+from flexscale.arrays import FloatArray
 from flexscale.synthesis.contact_rows import contact_rows
 from flexscale.synthesis.overlap import close_pairs, overlap_of
 from flexscale.synthesis.placement import Placement

@@ -15,13 +15,11 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexscale.fabricate.layout import FloatArray
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.synthesis.placement import Placement
-from flexscale.synthesis.prisms import ConvexParts, IntArray
+from flexscale.synthesis.prisms import ConvexParts
 
-BoolArray = NDArray[np.bool_]
 Table = tuple[FloatArray, FloatArray, IntArray]  # columns of `Separations`
 
 PARALLEL = 1e-7  # sine below which two edges have no direction across

@@ -10,9 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from flexscale.arrays import FloatArray
 
 UNIT = 15.0  # degrees
 FULL_TURN = 24  # units

@@ -16,12 +16,11 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.tilings.angles import unit_vector
 from flexscale.tilings.lattice import reduction
 
-FloatArray = NDArray[np.float64]
 IntMatrix = tuple[tuple[int, int], tuple[int, int]]
 Element = TypeVar("Element")
 

@@ -13,12 +13,9 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from flexscale.tilings.bravais import FloatArray
-
-IntArray = NDArray[np.int64]
+from flexscale.arrays import FloatArray, IntArray
 
 NEAR_CENTROID = 10.0  # tolerances: noise of centroids adds up along a cell
 SAME_SHAPE = 1e-3  # tolerances: outlines this near are compared with others once for all

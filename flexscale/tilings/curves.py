@@ -13,15 +13,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import TilingError, UnitRangeError, shown, suggest
 from flexscale.tilings.families import Family
 from flexscale.units import require_array
 
-FloatArray = NDArray[np.float64]
-
-#: Points taken of a curve given as a function, at equal steps from t = 0 to t = 1.
 CURVE_POINTS = 33
 #: Of the edge's length: ends and symmetric points must agree this well.
 CURVE_TOLERANCE = 1e-6

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import TilingError
 from flexscale.tilings.bravais import (
-    FloatArray,
     LatticeOperation,
     closed_part,
     lattice_operations,
@@ -25,11 +25,9 @@ from flexscale.tilings.bravais import (
     reduced_lattice,
     row_basis,
 )
-from flexscale.tilings.congruence import IntArray, PlacedTiles
+from flexscale.tilings.congruence import PlacedTiles
 from flexscale.tilings.wallpaper import DrawnSymmetry, Reflection, SymmetryOperation, group_name
 from flexscale.units import require_positive
-
-BoolArray = NDArray[np.bool_]
 
 TOLERANCE = 1e-6  # of the root of a tile's mean area
 AREA_TOLERANCE = 1e-3  # relative: a tile too many or too few

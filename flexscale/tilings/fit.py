@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexscale.errors import TilingError
 from flexscale.tilings.families import find_family
 from flexscale.tilings.geometry import family_geometry
 from flexscale.tilings.outline import signed_area
-
-FloatArray = NDArray[np.float64]
 
 MISFIT = 1e-6  # of the root of the polygon's area
 

@@ -16,16 +16,14 @@ from functools import cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.tilings.angles import UNIT
 from flexscale.tilings.families import find_family
 from flexscale.tilings.group import FamilyGroup, edge_motion, generate_group
 from flexscale.tilings.laves import laves_tile
 from flexscale.tilings.shape_space import ShapeSpace, build_shape_space
 from flexscale.tilings.symbols import IncidenceSymbol
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.tilings.angles import FULL_TURN, IDENTITY, UNIT, LinearPart
 from flexscale.tilings.lattice import lattice_basis
 from flexscale.tilings.laves import edge_courses
 from flexscale.tilings.symbols import EdgeMotion, IncidenceSymbol
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from flexscale.arrays import FloatArray, IntArray
 
 SAME_POINT = 1e-9  # of the root of the tile's area
 

@@ -8,11 +8,9 @@ the one and r cot(π/d_{i+1}) from the other.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.tilings.angles import UNIT, unit_vector
-
-FloatArray = NDArray[np.float64]
 
 
 def edge_courses(net: tuple[int, ...]) -> tuple[int, ...]:

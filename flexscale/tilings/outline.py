@@ -12,15 +12,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import TilingError
 from flexscale.tilings.curves import image_of_curve
 from flexscale.tilings.families import Family
 from flexscale.tilings.symbols import IncidenceSymbol
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TOUCH = 1e-9  # of the root of the tile's area: closer points touch
 

@@ -30,12 +30,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.tilings.group import FamilyMotion, pick_vertex
 from flexscale.tilings.symbols import EdgeMotion
-
-FloatArray = NDArray[np.float64]
 
 IN_SPACE = 1e-9  # relative: a pattern this close to the space lies in it
 

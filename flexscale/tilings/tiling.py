@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexscale.arrays import FloatArray
 from flexscale.errors import TilingError, UnitRangeError, shown
 from flexscale.tilings.curves import read_curves
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
@@ -19,8 +19,6 @@ from flexscale.tilings.lattice import reduction
 from flexscale.tilings.outline import build_outline, require_tile, signed_area
 from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import require_series
-
-FloatArray = NDArray[np.float64]
 
 LARGEST_PARAMETER = 100.0
 _SHAPE_NAMES = {"IH20": "hexagon", "IH76": "square"}

@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from flexscale.tilings.bravais import FloatArray, IntMatrix
+from flexscale.arrays import FloatArray
+from flexscale.tilings.bravais import IntMatrix
 from flexscale.tilings.directions import (
     DirectionImage,
     Sector,

@@ -25,7 +25,7 @@ patterns:
 mesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}
 tangent: {}
 sweep: {directions: [0, 45], curvatures: [0, 0.0005, 0.001, 0.002, 0.003, 0.004]}
-shapes: [{direction: 45, curvature: 0.004}]
+shape: [{direction: 45, curvature: 0.004}]
 figures: [polar, curves, tangent, cell]
 """
 SAMPLES = "local/.staging/*/line-*/*.npz"

@@ -51,7 +51,7 @@ def test_derivatives_of_the_bent_cell(make, scales):
     # Contact has tests of its own: a random state would press scales together.
     contact = fs.ContactOptions(enabled=False)
     problem = CellProblem.from_pattern(
-        make(), COARSE, contact=contact, scales=fs.ScaleOptions(scales)
+        make(), fs.NativeModel(contact=contact, scales=fs.ScaleOptions(scales), mesh=COARSE)
     )
     generator = np.random.default_rng(4)
     rest = problem.embedding.rest

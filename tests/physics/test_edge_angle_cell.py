@@ -35,13 +35,15 @@ def cell():
     # Without contact, which has tests of its own: random states would press scales together.
     contact = fs.ContactOptions(enabled=False)
     return cache(
-        lambda make, options: CellProblem.from_pattern(make(), contact=contact, substrate=options)
+        lambda make, options: CellProblem.from_pattern(
+            make(), fs.NativeModel(contact=contact, substrate=options)
+        )
     )
 
 
 def test_bare_sheet_is_an_isotropic_plate():
     """Edge angles hold every quadratic height, so the tangent is exact on any mesh."""
-    model = CellModel.of_pattern(square(), substrate=EDGE_ANGLE)
+    model = CellModel.of_pattern(square(), fs.NativeModel(substrate=EDGE_ANGLE))
     problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), model)
     assert solve_tangent(problem).matrix == pytest.approx(PLATE, abs=1e-9 * D)
 
@@ -72,7 +74,9 @@ def test_a_vertex_of_three_triangles():
         edge_scale=np.full(len(topology.edges), GAP_EDGE),
     )
     split.validate()
-    problem = CellProblem(split, CellModel.of_pattern(square(), substrate=EDGE_ANGLE))
+    problem = CellProblem(
+        split, CellModel.of_pattern(square(), fs.NativeModel(substrate=EDGE_ANGLE))
+    )
     assert solve_tangent(problem).matrix == pytest.approx(PLATE, abs=1e-9 * D)
     state = 0.01 * np.random.default_rng(1).normal(size=len(problem.embedding.rest))
     bent, z = problem.bent(Bend(0.05, 0.3)), problem.embedding.rest + state
@@ -86,7 +90,7 @@ def test_a_vertex_of_three_triangles():
 
 def test_averaged_normals_are_no_plate():
     """Crossed diagonals: up to twice as stiff as the plate, and not isotropic; no mesh cures it."""
-    model = CellModel.of_pattern(square(), substrate=AVERAGED)
+    model = CellModel.of_pattern(square(), fs.NativeModel(substrate=AVERAGED))
     for size in (1.5, 0.75):
         problem = CellProblem(build_bare_mesh(OBLIQUE, size), model)
         a = solve_tangent(problem).stiffness(np.arange(0.0, 180.0, 15.0)) / D
@@ -98,7 +102,7 @@ def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
     """Chords of a circle: second order in the element size, to the same law at 0.1 mm-1."""
 
     def moment(options: fs.SubstrateOptions, size: float) -> float:
-        model = CellModel.of_pattern(square(), substrate=options)
+        model = CellModel.of_pattern(square(), fs.NativeModel(substrate=options))
         problem = CellProblem(build_bare_mesh(OBLIQUE, size), model)
         bent = problem.bent(Bend(0.1, 0.6))
         solution = solve_equilibrium(bent, problem.embedding.rest, SolverOptions())
@@ -142,13 +146,17 @@ def test_derivatives_of_the_bent_cell(cell, make, options):
 
 def test_edge_angles_make_exact_hinges():
     """Rigid squares along a side, a = D P / g: one smooth bend across each gap, 2 % as for C1."""
-    tangent = fs.tangent_stiffness(square(scale_material=RIGID), substrate=EDGE_ANGLE)
+    tangent = fs.tangent_stiffness(
+        square(scale_material=RIGID), model=fs.NativeModel(substrate=EDGE_ANGLE)
+    )
     assert tangent.stiffness(0.0) == pytest.approx(24.8 * D, rel=0.02)
 
 
 def test_averaged_normals_halve_a_hinge():
     """Zigzags of the faces' normals cost nothing but what the rims under the scales do."""
-    tangent = fs.tangent_stiffness(square(scale_material=RIGID), substrate=AVERAGED)
+    tangent = fs.tangent_stiffness(
+        square(scale_material=RIGID), model=fs.NativeModel(substrate=AVERAGED)
+    )
     assert 0.3 < tangent.stiffness(0.0) / (24.8 * D) < 0.7
 
 
@@ -161,7 +169,9 @@ def test_edge_angles_converge_from_below(make, direction):
             across=2, along=size, corner=size, scale_strips=0, scale_layers=1, scale_order=1
         )
         pattern = make(scale_material=RIGID)
-        found.append(fs.tangent_stiffness(pattern, mesh=mesh, substrate=EDGE_ANGLE))
+        found.append(
+            fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=mesh, substrate=EDGE_ANGLE))
+        )
     smooth = fs.tangent_stiffness(make(scale_material=RIGID))
     a = [tangent.stiffness(direction) for tangent in [*found, smooth]]
     assert a == sorted(a)
@@ -191,7 +201,11 @@ COARSE = fs.MeshOptions(along=2.5, corner=0.4, scale_size=4.0, scale_layers=1)
 def moments(pattern: fs.Pattern, direction: float = 25.0) -> np.ndarray:
     """Moments to both sides at 0.008 mm-1."""
     data = fs.sweep(
-        pattern, [direction], [0.0, 0.008], mesh=COARSE, substrate=EDGE_ANGLE, workers=1
+        pattern,
+        [direction],
+        [0.0, 0.008],
+        workers=1,
+        model=fs.NativeModel(mesh=COARSE, substrate=EDGE_ANGLE),
     )
     assert (data.status == 0).all()
     return data.moment.values[:, 0, 1]
@@ -223,7 +237,14 @@ def test_elements_agree_where_the_membrane_carries():
     """Squares along a side, in contact: stretched gaps, within 3 % on the default mesh."""
     curvatures = [0.0, 0.008, 0.011, 0.013, 0.016]
     found = [
-        fs.sweep(square(), [0.0], curvatures, ["closing"], substrate=options, workers=1)
+        fs.sweep(
+            square(),
+            [0.0],
+            curvatures,
+            ["closing"],
+            workers=1,
+            model=fs.NativeModel(substrate=options),
+        )
         for options in (fs.SubstrateOptions("c1"), EDGE_ANGLE)
     ]
     smooth, angles = (data.moment.values[0, 0, 2:] for data in found)

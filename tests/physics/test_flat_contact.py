@@ -25,7 +25,7 @@ COARSEST = fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2
 
 @pytest.fixture(scope="module")
 def squares() -> fs.GapModel:
-    return fs.gap_model(fs.named_pattern("square"), mesh=COARSE)
+    return fs.gap_model(fs.named_pattern("square"), model=fs.NativeModel(mesh=COARSE))
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def reference_hexagon(shipped_results: Path) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def arrowheads() -> fs.GapModel:
-    return fs.gap_model(fs.named_pattern("arrowhead"), mesh=COARSE)
+    return fs.gap_model(fs.named_pattern("arrowhead"), model=fs.NativeModel(mesh=COARSE))
 
 
 def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> None:
@@ -54,7 +54,7 @@ def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> N
 def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
     """Rigid blocks on hinges again: 0.04 and 0.05 mm-1 lie beyond all sample curvatures."""
     pattern = fs.named_pattern("square", gap=gap, scale_height=height)
-    model = fs.gap_model(pattern, mesh=COARSEST)
+    model = fs.gap_model(pattern, model=fs.NativeModel(mesh=COARSEST))
     expected = gap / (height * 10.0)
     np.testing.assert_allclose(model.onset([0.0, 90.0]), expected, rtol=0.06)
     assert np.isfinite(model.onset(np.arange(0.0, 180.0, 5.0))).all()
@@ -70,8 +70,8 @@ def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
 @pytest.mark.slow
 def test_a_sweep_meets_where_a_late_onset_says() -> None:
     pattern = fs.named_pattern("square", scale_height=1.0)
-    onset = float(fs.gap_model(pattern, mesh=COARSEST).onset(0.0))
-    cell = CellProblem.from_pattern(pattern, COARSEST)
+    onset = float(fs.gap_model(pattern, model=fs.NativeModel(mesh=COARSEST)).onset(0.0))
+    cell = CellProblem.from_pattern(pattern, fs.NativeModel(mesh=COARSEST))
     line = Line("closing", 0.0, tuple(onset * np.array([0.0, 0.3, 0.6, 0.9, 1.1])))
     pairs = [s["contact_pairs"] for s in follow_line(cell, line, SolverOptions())]
     assert pairs[-2] == 0
@@ -83,7 +83,7 @@ def test_onset_is_that_of_native_sweeps(name: str, shipped_results: Path) -> Non
     """Between the last sample free of contact and the first one in contact, give or take a tenth:
     the barrier acts before scales meet, and gaps turn as they close."""
     sweep = fs.open_registry(shipped_results).one(kind="sweep", pattern=name)
-    model = fs.gap_model(fs.named_pattern(name), mesh=COARSE)
+    model = fs.gap_model(fs.named_pattern(name), model=fs.NativeModel(mesh=COARSE))
     kappa, checked = sweep["curvature"].values, 0
     for side in ("closing", "opening"):
         for direction in sweep["direction"].values:
@@ -99,19 +99,19 @@ def test_onset_is_that_of_native_sweeps(name: str, shipped_results: Path) -> Non
 
 def test_softenings_fitted_to_a_sweep_bring_energies_close(reference_hexagon: xr.Dataset) -> None:
     sweep = reference_hexagon
-    rough = fs.gap_model(fs.named_pattern("hexagon"), mesh=COARSE)
+    rough = fs.gap_model(fs.named_pattern("hexagon"), model=fs.NativeModel(mesh=COARSE))
     fitted = rough.fitted(sweep)
     before, after = (np.sqrt(np.mean(m.errors(sweep)[0] ** 2)) for m in (rough, fitted))
     assert before < 0.15
     assert after < 0.06
     with pytest.raises(BadInputError, match="different patterns"):
-        fs.gap_model(fs.named_pattern("square"), sweep, mesh=COARSE)
+        fs.gap_model(fs.named_pattern("square"), sweep, model=fs.NativeModel(mesh=COARSE))
 
 
 def test_what_a_sweep_does_not_show_is_not_fitted(
     reference_hexagon: xr.Dataset, shipped_results: Path
 ) -> None:
-    rough = fs.gap_model(fs.named_pattern("hexagon"), mesh=COARSE)
+    rough = fs.gap_model(fs.named_pattern("hexagon"), model=fs.NativeModel(mesh=COARSE))
     opening = rough.fitted(reference_hexagon.sel(side=["opening"]))
     assert opening.softening > 0.0
     assert opening.contact_softening == 0.0
@@ -131,7 +131,7 @@ def test_onsets_are_of_tensors(squares: fs.GapModel) -> None:
 
 
 def test_fewer_overlaps_change_little() -> None:
-    problem = CellProblem.from_pattern(fs.named_pattern("arrowhead"), COARSE)
+    problem = CellProblem.from_pattern(fs.named_pattern("arrowhead"), fs.NativeModel(mesh=COARSE))
     rough, fine = (solve_flat_contact(problem, overlap) for overlap in (0.02, 0.005))
     assert len(rough) < len(fine)
     for k in ([0.02, -0.01, 0.0], [0.0, -0.025, 0.005], [0.01, 0.01, -0.02]):
@@ -144,7 +144,8 @@ def test_fewer_overlaps_change_little() -> None:
 
 def test_without_scales_or_contact_there_are_no_gaps() -> None:
     problem = CellProblem.from_pattern(
-        fs.named_pattern("square"), COARSE, contact=fs.ContactOptions(enabled=False)
+        fs.named_pattern("square"),
+        fs.NativeModel(contact=fs.ContactOptions(enabled=False), mesh=COARSE),
     )
     found = solve_flat_contact(problem)
     assert len(found) == 0
@@ -154,7 +155,7 @@ def test_without_scales_or_contact_there_are_no_gaps() -> None:
 def test_free_strip_curls_and_locks_as_its_flat_cell_says(arrowheads: fs.GapModel) -> None:
     """Bent along 0 degree, arrowheads curl the other way across, and meet at half the curvature at
     which those of a cell do that is held straight across."""
-    strip = FreeStrip(fs.named_pattern("arrowhead"), 25.0, mesh=COARSE)
+    strip = FreeStrip(fs.named_pattern("arrowhead"), 25.0, native=fs.NativeModel(mesh=COARSE))
     native = list(
         follow_line(strip, Line("closing", 0.0, (0.0, 0.0025, 0.005, 0.0075)), SolverOptions())
     )[1:]
@@ -178,7 +179,7 @@ def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
     pattern, kappa = fs.named_pattern("square"), 0.004
     energies = []
     for periods in (1, 2):
-        strip = FreeStrip(pattern, 20.0, periods=periods, mesh=COARSE)
+        strip = FreeStrip(pattern, 20.0, periods=periods, native=fs.NativeModel(mesh=COARSE))
         line = Line("closing", 0.0, (0.0, kappa - 2e-5, kappa, kappa + 2e-5))
         samples = list(follow_line(strip, line, SolverOptions()))
         slope = (samples[3]["energy_density"] - samples[1]["energy_density"]) / 4e-5
@@ -190,8 +191,8 @@ def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
 def test_strips_are_bent_along_a_lattice_vector() -> None:
     pattern = fs.named_pattern("square")
     with pytest.raises(PatternError, match="No lattice vector of the pattern lies along 10 degree"):
-        FreeStrip(pattern, 20.0, 10.0, mesh=COARSE)
-    strip = FreeStrip(pattern, 20.0, mesh=COARSE)
+        FreeStrip(pattern, 20.0, 10.0, native=fs.NativeModel(mesh=COARSE))
+    strip = FreeStrip(pattern, 20.0, native=fs.NativeModel(mesh=COARSE))
     with pytest.raises(BadInputError, match=r"along its length only, .* not in 90 degree"):
         list(follow_line(strip, Line("closing", 90.0, (0.0, 0.001)), SolverOptions()))
 
@@ -221,7 +222,7 @@ def test_strips_that_cannot_be_cut(given: dict[str, Any], said: str) -> None:
 
 
 def test_an_overlap_is_allowed() -> None:
-    problem = CellProblem.from_pattern(fs.named_pattern("square"), COARSE)
+    problem = CellProblem.from_pattern(fs.named_pattern("square"), fs.NativeModel(mesh=COARSE))
     with pytest.raises(UnitRangeError, match="overlap"):
         solve_flat_contact(problem, 0.0)
     assert len(solve_flat_contact(problem, 1e-10)) >= len(solve_flat_contact(problem))

@@ -23,13 +23,13 @@ COARSE = fs.MeshOptions().finer(0.5)
 def squares() -> NativeSheet:
     """Two whole squares in a row."""
     pattern = fs.named_pattern("square")
-    return NativeSheet(pattern, 20.0, 10.0, mesh=COARSE)
+    return NativeSheet(pattern, 20.0, 10.0, native=fs.NativeModel(mesh=COARSE))
 
 
 def test_soft_direction_is_that_of_the_cell(squares: NativeSheet) -> None:
     """Hinges between squares do not notice the free sides but for the strip's Poisson effect."""
     curvatures = (0.0, 0.002, 0.004)
-    cell = CellProblem.from_pattern(fs.named_pattern("square"), COARSE)
+    cell = CellProblem.from_pattern(fs.named_pattern("square"), fs.NativeModel(mesh=COARSE))
     native = [s["moment"] for s in bend_native_sheet(squares, curvatures)][1:]
     line = Line("closing", 0.0, curvatures)
     periodic = [s["moment"] for s in follow_line(cell, line, SolverOptions())][1:]
@@ -86,9 +86,13 @@ def test_bad_sheets_are_refused(arguments: tuple, error: type, word: str) -> Non
 
 def test_dataset_keeps_every_number(squares: NativeSheet) -> None:
     dataset = fs.simulate_native_sheet(
-        fs.named_pattern("square"), length=20.0, width=10.0, curvatures=[0.0, 0.002],
-        sides=["closing"], mesh=COARSE,
-    )  # fmt: skip
+        fs.named_pattern("square"),
+        length=20.0,
+        width=10.0,
+        curvatures=[0.0, 0.002],
+        sides=["closing"],
+        model=fs.NativeModel(mesh=COARSE),
+    )
     *_, sample = bend_native_sheet(squares, (0.0, 0.002))
     found = dataset.sel(side="closing", curvature=0.002)
     assert float(found["moment"]) == pytest.approx(sample["moment"], rel=1e-9)
@@ -106,17 +110,30 @@ def test_bad_bends_are_refused(squares: NativeSheet) -> None:
     with pytest.raises(BadInputError, match=r"must increase, but 0\.001"):
         next(bend_native_sheet(squares, (0.002, 0.001)))
     with pytest.raises(ConfigError, match="modes"):
-        NativeSheet(fs.named_pattern("square"), 20.0, 10.0, scales=fs.ScaleOptions(model="tets"))
+        NativeSheet(
+            fs.named_pattern("square"),
+            20.0,
+            10.0,
+            native=fs.NativeModel(scales=fs.ScaleOptions(model="tets")),
+        )
     with pytest.raises(ConfigError, match="smooth triangles"):
         NativeSheet(
-            fs.named_pattern("square"), 20.0, 10.0, substrate=fs.SubstrateOptions("edge_angle")
+            fs.named_pattern("square"),
+            20.0,
+            10.0,
+            native=fs.NativeModel(substrate=fs.SubstrateOptions("edge_angle")),
         )
 
 
 def test_the_bending_measure_is_that_of_the_sheet(squares: NativeSheet) -> None:
     """Far bent, the second form and the layers have energies that differ (see shell_law)."""
     options = fs.SubstrateOptions(bending_measure="form")
-    by_form = NativeSheet(fs.named_pattern("square"), 20.0, 10.0, mesh=COARSE, substrate=options)
+    by_form = NativeSheet(
+        fs.named_pattern("square"),
+        20.0,
+        10.0,
+        native=fs.NativeModel(mesh=COARSE, substrate=options),
+    )
     energies = [
         sample["energy_density"]
         for sheet in (squares, by_form)

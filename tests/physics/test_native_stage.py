@@ -48,14 +48,16 @@ def bare() -> NativeStage:
     square = fs.named_pattern("square")
     beam = dataclasses.replace(square.substrate_material, poisson_ratio=0.0)
     mesh = dataclasses.replace(COARSE, along=3.0)
-    return NativeStage(square.with_(substrate_material=beam), bare_tiles(), mesh=mesh)
+    return NativeStage(
+        square.with_(substrate_material=beam), bare_tiles(), native=fs.NativeModel(mesh=mesh)
+    )
 
 
 @pytest.fixture(scope="module")
 def squares() -> NativeStage:
     """Two whole squares in a row between halves."""
     tiles = clip_pattern(fs.named_pattern("square"), 30.0, 10.0, glued=False)
-    return NativeStage(fs.named_pattern("square"), tiles, mesh=COARSE)
+    return NativeStage(fs.named_pattern("square"), tiles, native=fs.NativeModel(mesh=COARSE))
 
 
 def linked_elastica(shortening: float, stiffness: float) -> float:
@@ -207,7 +209,8 @@ def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
         def append(self, key: str, sample: dict) -> None:
             self.setdefault(key, []).append(sample)
 
-    settings = {"length": 30.0, "width": 10.0, "sides": ["opening"], "mesh": COARSE}
+    model = fs.NativeModel(mesh=COARSE)
+    settings = {"length": 30.0, "width": 10.0, "sides": ["opening"], "model": model}
     pattern, kept = fs.named_pattern("square"), Kept()
     fs.simulate_native_stage(pattern, shortenings=[0.05], **settings, checkpoint=kept)
     events: list = []
@@ -241,6 +244,7 @@ def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
     ],
 )
 def test_bad_strips_are_refused(settings: dict, error: type, word: str) -> None:
-    whole = {"length": 40.0, "width": 10.0, "shortenings": [1.0], "mesh": COARSE, **settings}
+    model = fs.NativeModel(mesh=COARSE)
+    whole = {"length": 40.0, "width": 10.0, "shortenings": [1.0], "model": model, **settings}
     with pytest.raises(error, match=word):
         fs.simulate_native_stage(fs.named_pattern("square"), **whole)

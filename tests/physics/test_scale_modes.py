@@ -29,7 +29,9 @@ MODES, TETS = fs.ScaleOptions("modes"), fs.ScaleOptions("tets")
 def problem(make, scales, contact=True):
     """A cell on one mesh, with scales of either kind."""
     options = fs.ContactOptions(enabled=contact)
-    return CellProblem.from_pattern(make(), MESH, contact=options, scales=scales)
+    return CellProblem.from_pattern(
+        make(), fs.NativeModel(contact=options, scales=scales, mesh=MESH)
+    )
 
 
 @pytest.mark.parametrize(("make", "direction"), [(square, 0.0), (square, 45.0), (hexagon, 10.0)])

@@ -21,7 +21,13 @@ def moment(pattern: Pattern, direction: float = 25.0, curvature: float = 0.008) 
     """Moments to both sides."""
     solver = fs.SolverOptions(tolerance=1e-11)
     curvatures = [0.0, curvature]
-    data = fs.sweep(pattern, [direction % 180.0], curvatures, mesh=COARSE, solver=solver, workers=1)
+    data = fs.sweep(
+        pattern,
+        [direction % 180.0],
+        curvatures,
+        workers=1,
+        model=fs.NativeModel(mesh=COARSE, solver=solver),
+    )
     assert (data.status == 0).all()
     return data.moment.values[:, 0, 1]
 

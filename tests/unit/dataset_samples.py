@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexscale.datasets.build import build_dataset, build_sweep_dataset
+from flexscale.datasets.build import build_dataset
 from flexscale.datasets.identity import Recipe
+from flexscale.datasets.kinds.cell import CELL
+from flexscale.datasets.kinds.shape import SHAPE
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.status import SolveStatus
 
 SCALARS = {"family": "IH20", "pattern": "hexagon", "gap": 0.4, "scale_height": 4.0}
@@ -81,7 +84,7 @@ def cell(**scalars: Any) -> xr.Dataset:
         "surface_scale": [0],
         "n_scales": 1,
     }
-    return build_dataset("cell", arrays, scalars={**SCALARS, **scalars}, config={"across": 2})
+    return build_dataset(CELL, arrays, scalars={**SCALARS, **scalars}, config={"across": 2})
 
 
 def shape() -> xr.Dataset:
@@ -100,4 +103,4 @@ def shape() -> xr.Dataset:
         "surface_triangles": [[0, 2, 1]],
         "surface_scale": [0],
     }
-    return build_dataset("shape", arrays, scalars=SCALARS, config={"samples": 2})
+    return build_dataset(SHAPE, arrays, scalars=SCALARS, config={"samples": 2})

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexscale.datasets.build import build_sweep_dataset
 from flexscale.datasets.fit_values import two_regime_energy, two_regime_moment
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.homogenize.tangent import TangentStiffness
 from flexscale.macro.fit import fit
 from flexscale.macro.model import MacroModel

@@ -91,8 +91,8 @@ WRONG: dict[str, tuple[Any, dict[str, Any]]] = {
     ),
     "sweep: workers": (fs.sweep, {"directions": 0, "curvatures": 0.0, "workers": 0}),
     "sweep: checkpoint": (fs.sweep, {"directions": 0, "curvatures": 0.0, "checkpoint": 3}),
-    "tangent: mesh": (fs.tangent_stiffness, {"mesh": 3}),
-    "tangent: solver": (fs.tangent_stiffness, {"linear_solver": None}),
+    "tangent: model": (fs.tangent_stiffness, {"model": 3}),
+    "tangent: name": (fs.tangent_stiffness, {"model": "shel"}),
     "native sheet": (fs.simulate_native_sheet, {"length": "60", "width": 3, "curvatures": 0}),
     "native stage": (fs.simulate_native_stage, {"length": 60, "width": np.inf}),
     "gap model": (fs.gap_model, {"w_biaxial": -1.0}),
@@ -145,7 +145,9 @@ def test_tilings(family: Any, arguments: dict[str, Any]) -> None:
 def test_curvatures_and_directions_go_together() -> None:
     model = fs.gap_model(
         fs.named_pattern("square"),
-        mesh=fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2),
+        model=fs.NativeModel(
+            mesh=fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2)
+        ),
     )
     assert model.moment([0.001, 0.002], [[0.0], [45.0]]).shape == (2, 2)
     with pytest.raises(UnitRangeError, match=r"shape \(2,\) and directions of shape \(3,\)"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -161,7 +162,7 @@ def test_a_newer_schema_is_refused_by_name(results: Path, entry: Entry) -> None:
 
 
 def test_an_older_schema_is_refused_by_name(results: Path, entry: Entry, monkeypatch) -> None:
-    newer = {**SCHEMAS, "sweep": type(SCHEMAS["sweep"])("sweep", 9, "", (), ())}
+    newer = {**SCHEMAS, "sweep": replace(SCHEMAS["sweep"], version=9)}
     monkeypatch.setattr("flexscale.datasets.record.SCHEMAS", newer)
     with pytest.raises(SchemaError, match="made by an older FlexScale: schema sweep/1"):
         open_registry(results).load(entry)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from flexscale.datasets.build import build_sweep_dataset, build_tangent_dataset
 from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
+from flexscale.datasets.kinds.tangent import build_tangent_dataset
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.variables import derive
 from flexscale.errors import MissingDataError, SchemaError, UnknownNameError

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexscale.datasets.build import build_sweep_dataset
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.datasets.registry import Registry, open_registry
 from flexscale.datasets.store import Store
 from flexscale.errors import MissingDataError, SchemaError, UnknownNameError

@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 
 from flexscale.datasets.audit import check_results
-from flexscale.datasets.build import build_tangent_dataset
 from flexscale.datasets.export import describe_text, export
 from flexscale.datasets.identity import Recipe
+from flexscale.datasets.kinds.tangent import build_tangent_dataset
 from flexscale.datasets.registry import open_registry
 from flexscale.datasets.store import Entry, Store
 from flexscale.errors import (

@@ -20,8 +20,8 @@ from flexscale.patterns.named import named_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.blocks import PatternBlock
+from flexscale.steps.catalog import FIGURES
 from flexscale.steps.experiment import Experiment, load_experiment, parse_experiment
-from flexscale.steps.figures import FIGURES
 from flexscale.steps.option_blocks import option_fields
 from flexscale.steps.plan import build_plan
 from flexscale.steps.summary import describe_experiment
@@ -162,7 +162,7 @@ def test_every_mistake_is_told_at_once() -> None:
         (changed(family="hexagon"), TilingError),
         (changed(gap=20), PatternError),
         (SMALL | {"sweep": {"directions": [0], "curvatures": [0, 0.25]}}, UnitRangeError),
-        (SMALL | {"shapes": [{"curvature": 0.3}]}, UnitRangeError),
+        (SMALL | {"shape": [{"curvature": 0.3}]}, UnitRangeError),
     ],
 )
 def test_patterns_that_cannot_be_built_are_named(content: Any, error: type[Exception]) -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from flexscale.datasets.identity import Recipe
 from flexscale.datasets.store import Entry, Store
-from flexscale.steps.catalog import STEPS
-from flexscale.steps.figures import FIGURES, draw_figure, figure_is_current, figure_path
+from flexscale.steps.catalog import FIGURES, STEPS
+from flexscale.steps.figures import draw_figure, figure_is_current, figure_path
 from tests.unit.fit_samples import law_sweep
 
 
@@ -50,7 +50,7 @@ def test_a_picture_is_drawn_again_when_a_part_of_it_is_gone(store: Store) -> Non
 def test_the_first_dataset_of_a_figure_tells_which_the_others_are(name: str) -> None:
     """Its id stands in the picture's name for all of them."""
     first, *others = FIGURES[name].needs
-    assert set(others) <= set(STEPS[first].inputs)
+    assert set(others) <= set(STEPS[first].block.takes)
 
 
 def test_pictures_of_one_experiment_differ_by_pattern_and_figure(store: Store) -> None:

@@ -104,8 +104,8 @@ OUT_OF_BOUNDS: dict[str, tuple[dict[str, Any], str]] = {
     "many directions": (SMALL | {"tangent": {"directions": MANY}}, "at most 10000 values"),
     "a fine sheet": (FITTED | {"sheet": {"size": 1e-6}}, "between 0.001 mm and 10000 mm"),
     "a fine sheet, still": (FITTED | {"sheet": {"size": 0.01}}, "more than 300000"),
-    "a fine disc": (FITTED | {"rigs": {"mandrel": {}, "size": 0.1}}, "more than 300000"),
-    "a fine strip": (FITTED | {"rigs": {"stage": {}, "size": 0.1}}, "more than 300000"),
+    "a fine disc": (FITTED | {"rig": {"mandrel": {}, "size": 0.1}}, "more than 300000"),
+    "a fine strip": (FITTED | {"rig": {"stage": {}, "size": 0.1}}, "more than 300000"),
     "a large sheet": (
         SMALL | {"native_sheet": {"length": 9000, "width": 9000, "curvatures": [0]}},
         "more than 2000000",

@@ -8,7 +8,7 @@ import sys
 
 CODE = """
 import numpy as np
-from flexscale.mechanics.linear_law import linear_sheet
+from flexscale.mechanics.linear_law import (linear_sheet)
 law = linear_sheet(np.eye(3), np.eye(3))
 states = np.ones((2, 6))
 print(law.energies(states)[0], law.gradients(states)[0, 0], law.derivatives(states)[1][0, 0, 0])

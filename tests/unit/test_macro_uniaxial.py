@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexscale.macro.uniaxial import WEIGHTINGS, Line, UniaxialLaw, Weighting, fit_uniaxial
+from flexscale.datasets.variables import WEIGHTINGS, Weighting
+from flexscale.macro.uniaxial import Line, UniaxialLaw, fit_uniaxial
 
 KAPPA = np.linspace(0.0025, 0.02, 8)
 

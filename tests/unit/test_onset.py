@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexscale.datasets.build import build_sweep_dataset
+from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.datasets.onset import contact_onset
 from flexscale.errors import MissingDataError
 from tests.unit.dataset_samples import SCALARS, sweep, sweep_arrays

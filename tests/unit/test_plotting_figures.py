@@ -24,8 +24,8 @@ from tests.unit.plotting_data import flat_cell, two_regime_sweep, with_failures
 PAPER_FIGURES = Path(__file__).resolve().parents[2] / "paper_figures"
 
 SCRIPT = """
-from flexscale.plotting import polar
-from flexscale.plotting.figure_scripts import Need
+from flexscale.plotting import (polar)
+from flexscale.plotting.figure_scripts import (Need)
 NEEDS = {"sweep": Need("sweep", "flexscale run square.yaml", {"pattern": "squares"})}
 CAPTION = "A <test> figure."
 PAPER_SAYS = "Stiffer & stiffer."

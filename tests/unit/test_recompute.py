@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,15 +16,17 @@ from flexscale.cli import main
 from flexscale.datasets.store import Entry, Store
 from flexscale.errors import MissingDataError
 from flexscale.status import SolveStatus
-from flexscale.steps.base import Resources
-from flexscale.steps.catalog import STEPS, FitParameters, SheetParameters
+from flexscale.steps.catalog import STEPS
 from flexscale.steps.recompute import recompute, relative_differences
+from flexscale.steps.step import Resources
 from tests.unit.fit_samples import law_sweep, tangent
 
-SHEET = SheetParameters(
-    pattern={}, mesh={}, length=60.0, width=30.0, curvatures=(0.0, 0.01), direction=0.0,
-    sides=("closing",), size=15.0,
-)  # fmt: skip
+CELL = {"pattern": fs.Pattern(fs.Tiling("IH20")).to_config(), "mesh": {}}
+SHEET = CELL | {
+    "length": 60.0, "width": 30.0, "curvatures": [0.0, 0.01], "direction": 0.0,
+    "sides": ["closing"], "size": 15.0,
+}  # fmt: skip
+FIT = CELL | {"weighting": "relative", "variant": "tangent", "w_biaxial": None}
 
 
 @pytest.fixture
@@ -31,11 +34,8 @@ def stored(tmp_path: Path) -> Entry:
     """A sheet, and the fit that it is of."""
     store, step = Store(tmp_path), STEPS["sheet"]
     model = fs.fit(law_sweep(), tangent())
-    recipe = STEPS["fit"].recipe(
-        FitParameters(pattern={}, mesh={}, weighting="relative", variant="tangent", w_biaxial=None)
-    )
-    fit = store.publish(model.to_dataset(), "fit", recipe)
-    sheet = step.compute(SHEET, {"fit": store.load(fit)}, Resources())
+    fit = store.publish(model.to_dataset(), "fit", STEPS["fit"].recipe(FIT))
+    sheet = step.compute(step.task(SHEET), {"fit": store.load(fit)}, Resources())
     return store.publish(sheet, "sheet", step.recipe(SHEET), [fit])
 
 
@@ -90,7 +90,7 @@ def test_the_command_says_how_much_numbers_have_changed(
         sheet["energy"].values *= 1.0 + factor
         return sheet
 
-    monkeypatch.setattr("flexscale.steps.sheet.compute", stiffer)
+    monkeypatch.setitem(STEPS, "sheet", replace(step, compute=stiffer))
     factor = 1e-9
     assert call(monkeypatch, "data", "recompute", stored.id, "--results", tmp_path) == 0
     said = capsys.readouterr().out

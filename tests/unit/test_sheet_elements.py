@@ -8,11 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from flexscale.errors import UnitRangeError
 from flexscale.mechanics.edge_angles import EdgeStencils
-from flexscale.mechanics.linear_law import (
-    isotropic_sheet,
-    linear_sheet,
-    orthotropic_matrix,
-)
+from flexscale.mechanics.linear_law import isotropic_sheet, linear_sheet, orthotropic_matrix
 from flexscale.mechanics.sheet_shell import SheetShell
 from flexscale.mechanics.sheet_triangles import SheetTriangles
 from tests.derivatives import directional_difference, full_hessian, relative_error

@@ -12,20 +12,21 @@ import pytest
 import xarray as xr
 
 import flexscale as fs
-from flexscale.datasets.build_sheets import build_rig_dataset, build_sheet_dataset
 from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.device_variables import build_rig_dataset
 from flexscale.datasets.schema import SCHEMAS
+from flexscale.datasets.sheet_variables import build_sheet_dataset
 from flexscale.datasets.store import Store
 from flexscale.errors import BadInputError, MissingDataError, SchemaError, UnknownNameError
 from flexscale.plotting.rigs import compared_stages
 from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from flexscale.status import SolveStatus
-from flexscale.steps.base import Resources
-from flexscale.steps.catalog import STEPS
+from flexscale.steps.catalog import FIGURES, STEPS
 from flexscale.steps.engine_process import snakefile
 from flexscale.steps.experiment import load_experiment, parse_experiment
-from flexscale.steps.figures import FIGURE, FIGURES, draw_dataset
+from flexscale.steps.figures import FIGURE, draw_dataset
 from flexscale.steps.plan import Plan, build_plan
+from flexscale.steps.step import Resources
 from flexscale.steps.summary import failed_samples
 from tests.unit.fit_samples import law_sweep, tangent
 
@@ -38,7 +39,7 @@ CONTENT: dict[str, Any] = {
     },
     "fit": {},
     "sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01, 0.02], "size": 15},
-    "rigs": {
+    "rig": {
         "size": 25,
         "mandrel": {"angles": [0, 60, 120, 180, 240, 300], "indentation": "1.5 cm"},
         "stage": {"length": 100, "shortenings": [1, 10], "direction": 30},
@@ -63,7 +64,7 @@ def made(model: fs.MacroModel) -> dict[str, xr.Dataset]:
     for job in plan_of(CONTENT):
         if job.step in ("sheet", "rig"):
             step = STEPS[job.step]
-            parameters = step.parameters.model_validate(job.recipe.parameters)
+            parameters = step.task(job.recipe.parameters)
             found[job.step] = step.compute(parameters, {"fit": model.to_dataset()}, Resources())
     return found
 
@@ -81,8 +82,8 @@ def test_a_native_strip_needs_no_fit() -> None:
     content = {"patterns": CONTENT["patterns"], "native_rig": {"shortenings": [1, "0.2 cm"]}}
     (job,) = (job for job in plan_of(content) if job.step == "native_rig")
     assert (job.inputs, job.n_samples) == ((), 2 * 2)
-    parameters = STEPS["native_rig"].parameters.model_validate(job.recipe.parameters)
-    assert parameters.model_dump()["shortenings"] == (1.0, 2.0)
+    task = STEPS["native_rig"].task(job.recipe.parameters)
+    assert task.block.shortenings == (1.0, 2.0)
     assert STEPS["native_rig"].resumable
 
 
@@ -179,14 +180,14 @@ def test_a_spoiled_rig_is_refused(made, change, words: str) -> None:
 
 
 def rigs(**changes: Any) -> dict[str, Any]:
-    return {"rigs": CONTENT["rigs"] | changes}
+    return {"rig": CONTENT["rig"] | changes}
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
         ({"fit": None}, "`sheet` needs the block `fit`"),
-        ({"fit": None, "sheet": None, "figures": ["rig"]}, "`rigs` needs the block `fit`"),
+        ({"fit": None, "sheet": None, "figures": ["rig"]}, "`rig` needs the block `fit`"),
         ({"sheet": None}, "the figure 'sheet' needs the block `sheet`"),
         ({"sheet": {"curvatures": [0, 0.07]}}, "runs into its own end: stay below 0.06283 mm-1"),
         ({"sheet": {"curvatures": [0.01, 0.005]}}, "values must increase"),
@@ -194,11 +195,11 @@ def rigs(**changes: Any) -> dict[str, Any]:
         ({"sheet": {"sides": ["closing", "closing"]}}, "a side is named twice"),
         ({"sheet": {"legnth": 100}}, "Did you mean 'length'"),
         (rigs(mandrel=None, stage=None), "needs `mandrel`, `stage`, or both"),
-        (rigs(mandrel={"hub": 99}), "rigs.mandrel: A hub of 99 mm"),
+        (rigs(mandrel={"hub": 99}), "rig.mandrel: A hub of 99 mm"),
         (rigs(mandrel={"indentation": 95}), "An indentation of 95 mm"),
         (rigs(mandrel={"angles": [0, 10]}), "no vertex to push at 10 degree"),
         (rigs(mandrel={"angles": [0, 360]}), "angles lie in [0, 360) degree"),
-        (rigs(stage={"shortenings": [5, 120]}), "rigs.stage: A shortening of 120 mm"),
+        (rigs(stage={"shortenings": [5, 120]}), "rig.stage: A shortening of 120 mm"),
         (rigs(stage={"shortenings": [0, 1]}), "shortening is 0 mm"),
         ({"native_rig": {"shortenings": [5, 120]}}, "native_rig: A shortening of 120 mm"),
         ({"native_rig": {"sides": ["opening", "opening"]}}, "a side is named twice"),
@@ -294,6 +295,7 @@ def test_a_sheet_that_failed_still_says_where() -> None:
     }
     labels = {"family": "IH76", "pattern": "square"}
     dataset = build_sheet_dataset(
+        SCHEMAS["sheet"],
         ("closing", "opening"), [0.0, 0.01], arrays,
         length=100.0, width=50.0, direction=0.0, scalars=labels, config={},
     )  # fmt: skip
@@ -314,8 +316,9 @@ def native_rig(made) -> xr.Dataset:
         stage[name][1, 1] = np.nan
     sizes = {"shortening": [1.0, 10.0], "length": 100.0, "width": 50.0, "direction": 30.0}
     return build_rig_dataset(
+        SCHEMAS["native_rig"],
         ("closing", "opening"), {"stage": stage | sizes}, scalars={"family": "IH20",
-        "pattern": "hexagon"}, config={}, kind="native_rig",
+        "pattern": "hexagon"}, config={},
         numbers={"n_scales": 50, "n_unknowns": 9000},
     )  # fmt: skip
 

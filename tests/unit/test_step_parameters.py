@@ -1,76 +1,157 @@
-"""What a recipe records is what was computed: every parameter of a native step is used."""
+"""What a recipe records is what was computed: every parameter of every step is used.
+
+Each parameter in turn gets another value; then what the step hands to the computation changes, or
+the value is refused. `physics/test_native_options.py` does the same with the options of the native
+model and the numbers that come out.
+"""
 
 from __future__ import annotations
 
-import importlib
+import copy
+from collections.abc import Iterator
 from typing import Any
 from unittest import mock
 
 import pytest
+from pydantic import ValidationError
 
-from flexscale.errors import ConfigError
-from flexscale.steps.base import Resources
-from flexscale.steps.catalog import STEPS, NativeParameters
+from flexscale.datasets.recipe_values import leaves
+from flexscale.errors import BadInputError, ConfigError
+from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
+from flexscale.steps.step import Resources
 
 CONTENT: dict[str, Any] = {
     "patterns": {"square": {"named": "square"}},
     "tangent": {"directions": [0, 45]},
-    "sweep": {"directions": [0, 45], "curvatures": [0, 0.005]},
-    "shapes": [{"curvature": 0.01}],
+    "sweep": {"directions": {"start": 0, "stop": 180, "step": 15},
+              "curvatures": [0, 0.002, 0.004, 0.006, 0.008, 0.01]},
+    "shape": [{"curvature": 0.01}],
+    "fit": {"w_biaxial": 3.0},
+    "sheet": {"curvatures": [0, 0.01]},
+    "turned_sheet": {"directions": [0, 45]},
+    "rig": {"mandrel": {}, "stage": {}},
     "native_sheet": {"curvatures": [0, 0.01]},
     "native_rig": {"shortenings": [1]},
-}
-NATIVE_STEPS = [
-    name for name, step in STEPS.items() if issubclass(step.parameters, NativeParameters)
-]
-#: What the steps call, by module; the rest of a step's work needs their results.
-CALLED = {
-    "tangent": ("CellProblem", "solve_tangent", "build_tangent_dataset", "estimate_mesh_error",
-                "note_mesh_error"),
-    "sweep": ("sweep",),
-    "shape": ("solve_shapes",),
-    "native_sheet": ("simulate_native_sheet",),
-    "native_rig": ("simulate_native_stage",),
 }  # fmt: skip
+#: What the steps hand their parameters to; results are made up.
+HOMOGENIZE, MACRO = "flexscale.homogenize", "flexscale.macro"
+CALLED = {
+    "cell": ("flexscale.mesh.torus.build_mesh", f"{HOMOGENIZE}.labels.pattern_scalars",
+             "flexscale.datasets.build.build_dataset"),
+    "tangent": (f"{HOMOGENIZE}.cell_problem.CellProblem.from_pattern",
+                f"{HOMOGENIZE}.tangent.solve_tangent",
+                f"{HOMOGENIZE}.mesh_error.estimate_mesh_error",
+                f"{HOMOGENIZE}.mesh_error.note_mesh_error",
+                "flexscale.datasets.kinds.tangent.build_tangent_dataset"),
+    "sweep": (f"{HOMOGENIZE}.sweep.sweep",),
+    "shape": (f"{HOMOGENIZE}.shape.solve_shapes",),
+    "fit": (f"{MACRO}.fit.fit", "flexscale.steps.kinds.fit.dataclasses.replace"),
+    "sheet": (f"{MACRO}.model.MacroModel.from_dataset", f"{MACRO}.bent_sheet.BendingRig",
+              "flexscale.datasets.sheet_variables.build_sheet_dataset"),
+    "turned_sheet": (f"{MACRO}.fit.fit", f"{MACRO}.simulate.simulate_sheet",
+                     "flexscale.datasets.kinds.turned_sheet.build_turned_sheet_dataset"),
+    "rig": (f"{MACRO}.model.MacroModel.from_dataset", f"{MACRO}.mandrel.simulate_mandrel",
+            f"{MACRO}.stage.simulate_stage",
+            "flexscale.datasets.device_variables.build_rig_dataset"),
+    "native_sheet": (f"{HOMOGENIZE}.native_sheet_dataset.simulate_native_sheet",),
+    "native_rig": (f"{HOMOGENIZE}.native_stage_dataset.simulate_native_stage",),
+}  # fmt: skip
+#: These compute from datasets, which hold pattern and mesh; their recipes repeat them as labels.
+FROM_DATASETS = ("fit", "sheet", "turned_sheet", "rig")
 
 
-class Watched:
-    """Parameters that remember which of their fields were read."""
-
-    def __init__(self, parameters: NativeParameters) -> None:
-        self._parameters, self.read = parameters, set[str]()
-
-    def __getattr__(self, name: str) -> Any:
-        if name in type(self._parameters).model_fields:
-            self.read.add(name)
-            return getattr(self._parameters, name)
-        if name.startswith("build_"):  # reads fields of its own
-            return getattr(type(self._parameters), name).__get__(self)
-        return getattr(self._parameters, name)
+@pytest.fixture(scope="module")
+def recipes() -> dict[str, dict[str, Any]]:
+    plan = build_plan(parse_experiment(CONTENT, "file"))
+    return {job.step: dict(job.recipe.parameters) for job in plan}
 
 
-@pytest.mark.parametrize("name", NATIVE_STEPS)
-def test_a_native_step_reads_all_that_its_recipe_records(name: str) -> None:
+def handed_over(name: str, parameters: dict[str, Any]) -> list[str]:
+    """All that a step's computation is called with, its recipe apart, as text."""
     step = STEPS[name]
-    (job, *_) = (job for job in build_plan(parse_experiment(CONTENT, "file")) if job.step == name)
-    watched = Watched(step.parameters.model_validate(job.recipe.parameters))
-    module = importlib.import_module(f"flexscale.steps.{name}")
-    with mock.patch.multiple(module, **dict.fromkeys(CALLED[name], mock.DEFAULT)):
-        step.compute(watched, {}, Resources())
-    assert watched.read == set(step.parameters.model_fields)
+    task = step.task(parameters)
+    made_up: list[mock.MagicMock] = []
+    patches = [mock.patch(target) for target in CALLED[name]]
+    try:
+        made_up = [patch.start() for patch in patches]
+        for one in made_up:
+            number = one.return_value
+            number.configure_mock(energy=1.0, energy_density=1.0, moment=1.0, slide=1.0)
+            number.configure_mock(largest_curvature=1.0, iterations=1, negative_eigenvalues=0)
+            number.configure_mock(status=0, force=1.0, deflection=1.0)
+            number.bend.return_value = number
+        if name == "turned_sheet":
+            made_up[0].return_value.energy = lambda *asked: 1.0
+        inputs = dict.fromkeys(("sweep", "tangent", "fit"), "dataset")
+        step.compute(task, inputs, Resources())
+        calls = [call for one in made_up for call in one.mock_calls]
+    finally:
+        mock.patch.stopall()
+    return [_text(call) for call in calls]
 
 
-@pytest.mark.parametrize("name", ["native_sheet", "native_rig"])
-def test_a_bending_measure_reaches_sheets_and_stages_of_scales(name: str) -> None:
-    content = CONTENT | {"substrate": {"bending_measure": "form"}}
-    (job,) = (job for job in build_plan(parse_experiment(content, "file")) if job.step == name)
-    parameters = STEPS[name].parameters.model_validate(job.recipe.parameters)
-    module = importlib.import_module(f"flexscale.steps.{name}")
-    with mock.patch.object(module, CALLED[name][0]) as simulate:
-        STEPS[name].compute(parameters, {}, Resources())
-    assert simulate.call_args.kwargs["substrate"].bending_measure == "form"
+def _text(call: Any) -> str:
+    _, arguments, named = call
+    told = {key: value for key, value in named.items() if key != "config"}
+    return f"{[_plain(item) for item in arguments]} { {k: _plain(v) for k, v in told.items()} }"
+
+
+def _plain(value: Any) -> str:
+    if hasattr(value, "to_config"):
+        return str(value.to_config())
+    return "made up" if isinstance(value, mock.NonCallableMock) else repr(value)
+
+
+def other_values(value: Any) -> Iterator[Any]:
+    """Values to take in the place of one: the first that is not refused is enough."""
+    if isinstance(value, bool):
+        yield not value
+    elif isinstance(value, int):
+        yield value + 1
+    elif isinstance(value, float):
+        yield from (1.01 * value if value else 0.01, 0.5 * value)
+    elif isinstance(value, list):
+        yield from (value[:-1], value + value[-1:], [])
+    elif isinstance(value, str):
+        yield from ("opening", "paper", "absolute", "another")
+    else:
+        yield from (3.0, "another")
+
+
+def placed(parameters: dict[str, Any], name: str, value: Any) -> dict[str, Any]:
+    out = copy.deepcopy(parameters)
+    *outer, last = name.split(".")
+    inner = out
+    for key in outer:
+        inner = inner[key]
+    inner[last] = value
+    return out
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_every_parameter_of_a_step_reaches_its_computation(
+    name: str, recipes: dict[str, dict[str, Any]]
+) -> None:
+    parameters = recipes[name]
+    usual = handed_over(name, parameters)
+    assert usual
+    unread = []
+    for leaf, value in leaves(parameters):
+        if leaf == "pattern.name" or (
+            name in FROM_DATASETS and leaf.split(".")[0] in ("pattern", "mesh")
+        ):
+            continue
+        for other in (item for item in other_values(value) if item != value):
+            try:
+                changed = handed_over(name, placed(parameters, leaf, other)) != usual
+            except (BadInputError, ValidationError):
+                continue
+            if not changed:
+                unread.append(leaf)
+            break
+    assert not unread
 
 
 @pytest.mark.parametrize("name", ["native_sheet", "native_rig"])

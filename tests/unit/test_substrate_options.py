@@ -8,16 +8,17 @@ import pytest
 
 import flexscale as fs
 from flexscale.errors import ConfigError, UnknownNameError
-from flexscale.steps.base import Resources
-from flexscale.steps.catalog import STEPS, TangentParameters
+from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
+from flexscale.steps.step import Resources
 
+NATIVE = fs.NativeModel()
 CONTENT: dict[str, Any] = {
     "patterns": {"square": {"family": "IH76"}},
     "tangent": {},
     "sweep": {"directions": [0, 45], "curvatures": [0, 0.001]},
-    "shapes": [{"curvature": 0.001}],
+    "shape": [{"curvature": 0.001}],
 }
 COARSE = fs.MeshOptions(along=2.5, corner=0.4, scale_size=4.0, scale_layers=1)
 
@@ -56,19 +57,20 @@ def test_another_element_is_another_result_of_all_but_the_cell():
 
 def test_naming_the_default_changes_no_identity():
     assert steps_of(CONTENT | {"substrate": {"element": "c1"}}) == steps_of(CONTENT)
-    pattern = fs.Pattern(fs.Tiling("IH76")).to_config()
-    parameters = TangentParameters(pattern=pattern, mesh=COARSE.to_config(), directions=(0.0,))
-    recipe = STEPS["tangent"].recipe(parameters).parameters
+    step, pattern = STEPS["tangent"], fs.Pattern(fs.Tiling("IH76"))
+    block = step.block(directions=(0.0,))
+    recipe = step.recipe(step.parameters(pattern, fs.NativeModel(mesh=COARSE), block)).parameters
     assert recipe["substrate"] == fs.SubstrateOptions().to_config()
     assert recipe["scales"] == fs.ScaleOptions().to_config()
-    assert parameters.model_dump()["substrate"] == fs.SubstrateOptions().to_config()
+    assert "contact" not in recipe
+    assert step.task({"pattern": pattern.to_config(), "directions": [0.0]}).native == NATIVE
 
 
 def test_steps_compute_with_the_element_they_name():
     """The dataset of the step is that of the function, and says which element it is from."""
     pattern, options = fs.Pattern(fs.Tiling("IH76")), fs.SubstrateOptions("edge_angle")
     step = STEPS["tangent"]
-    parameters = step.parameters.model_validate(
+    parameters = step.task(
         {
             "pattern": pattern.to_config(),
             "mesh": COARSE.to_config(),
@@ -77,6 +79,8 @@ def test_steps_compute_with_the_element_they_name():
         }
     )
     data = step.compute(parameters, {}, Resources())
-    expected = fs.tangent_stiffness(pattern, mesh=COARSE, substrate=options).stiffness(45.0)
+    expected = fs.tangent_stiffness(
+        pattern, model=fs.NativeModel(mesh=COARSE, substrate=options)
+    ).stiffness(45.0)
     assert float(data.stiffness[0]) == pytest.approx(expected, rel=1e-12)
     assert '"edge_angle"' in data.attrs["flexscale_config"]

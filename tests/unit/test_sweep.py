@@ -19,7 +19,9 @@ CURVATURES = [0.0, 0.002, 0.004]
 
 
 def run(directions=(0.0, 30.0), **options):
-    return fs.sweep(PATTERN, list(directions), CURVATURES, mesh=COARSE, **options)
+    return fs.sweep(
+        PATTERN, list(directions), CURVATURES, **options, model=fs.NativeModel(mesh=COARSE)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -112,9 +114,15 @@ def test_samples_of_something_else_are_computed_anew(samples, reference, tmp_pat
 def test_unconverged_samples_are_labelled_and_empty():
     """Two Newton iterations are not enough for a long step: status, NaN, and no silent stop."""
     data = fs.sweep(
-        PATTERN, [45.0], [0.001, 0.03, 0.04], ["opening"], mesh=COARSE, workers=1,
-        solver=fs.SolverOptions(max_iterations=1, tolerance=1e-14),
-    )  # fmt: skip
+        PATTERN,
+        [45.0],
+        [0.001, 0.03, 0.04],
+        ["opening"],
+        workers=1,
+        model=fs.NativeModel(
+            mesh=COARSE, solver=fs.SolverOptions(max_iterations=1, tolerance=1e-14)
+        ),
+    )
     status = data.status.values.ravel()
     assert status[0] == SolveStatus.max_iterations
     assert (status[1:] == SolveStatus.not_run).all()
@@ -152,7 +160,11 @@ def test_unknown_constraint_method_is_refused():
 
 def test_shapes_follow_the_cylinder():
     """Flat scales on a parabola of mean offset 0 deviate by kappa P^2/12 at most, at the gaps."""
-    data = solve_shapes(PATTERN, [("closing", 0.0, 0.002), ("opening", 90.0, 0.002)], mesh=COARSE)
+    data = solve_shapes(
+        PATTERN,
+        [("closing", 0.0, 0.002), ("opening", 90.0, 0.002)],
+        native=fs.NativeModel(mesh=COARSE),
+    )
     check_dataset(data, "shape")
     assert data.sample_curvature.values == pytest.approx([0.002, -0.002])
     points = data.points.values + data.displacement.values

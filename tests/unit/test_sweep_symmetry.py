@@ -8,12 +8,7 @@ import pytest
 import flexscale as fs
 from flexscale.errors import MeshError
 from flexscale.homogenize.line import Line
-from flexscale.homogenize.symmetry import (
-    check_line,
-    find_sources,
-    symmetry_error,
-    turn_stretch,
-)
+from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error, turn_stretch
 
 COARSE = fs.MeshOptions(along=2.5, corner=1.0, scale_size=5.0, scale_corner=2.5, scale_layers=1)
 
@@ -44,8 +39,8 @@ def test_without_symmetry_every_direction_is_its_own_source():
 def test_filled_directions_are_what_solving_them_gives():
     directions, curvatures = [0.0, 30.0, 60.0, 90.0, 150.0], [0.0, 0.004]
     arguments = (fs.Pattern(fs.Tiling("IH76")), directions, curvatures, ["closing"])
-    filled = fs.sweep(*arguments, mesh=COARSE, workers=1)
-    full = fs.sweep(*arguments, mesh=COARSE, workers=1, symmetry=False)
+    filled = fs.sweep(*arguments, workers=1, model=fs.NativeModel(mesh=COARSE))
+    full = fs.sweep(*arguments, workers=1, symmetry=False, model=fs.NativeModel(mesh=COARSE))
     assert filled.symmetry_source.values[0].tolist() == [0.0, 30.0, 30.0, 0.0, 30.0]
     assert full.symmetry_source.values[0].tolist() == directions
     for name in ("energy_density", "moment", "stretch", "min_gap"):

@@ -57,7 +57,12 @@ def test_a_sample_out_of_time_is_given_up_and_says_so() -> None:
     pattern = fs.named_pattern("square")
     hasty = fs.SolverOptions(time_limit=1e-3)
     found = fs.sweep(
-        pattern, [0], [0, 0.005, 0.01], ["opening"], mesh=COARSE, solver=hasty, workers=1
+        pattern,
+        [0],
+        [0, 0.005, 0.01],
+        ["opening"],
+        workers=1,
+        model=fs.NativeModel(mesh=COARSE, solver=hasty),
     )
     ends = [SolveStatus.converged, SolveStatus.time_limit, SolveStatus.not_run]
     assert found.status.values.ravel().tolist() == ends

@@ -13,10 +13,10 @@ from flexscale.datasets.checks import check_dataset
 from flexscale.errors import BadInputError, MissingDataError, SchemaError
 from flexscale.plotting.turned_sheets import sheet_errors
 from flexscale.status import SolveStatus
-from flexscale.steps.base import Resources
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import Plan, build_plan
+from flexscale.steps.step import Resources
 from flexscale.steps.summary import failed_samples
 from tests.unit.fit_samples import law_sweep, tangent
 
@@ -50,7 +50,7 @@ def sweep() -> xr.Dataset:
 def turned(sweep: xr.Dataset) -> xr.Dataset:
     (job,) = (job for job in plan_of(CONTENT) if job.step == "turned_sheet")
     step = STEPS[job.step]
-    parameters = step.parameters.model_validate(job.recipe.parameters)
+    parameters = step.task(job.recipe.parameters)
     return step.compute(parameters, {"sweep": sweep, "tangent": tangent()}, Resources())
 
 

@@ -187,14 +187,16 @@ def test_published_pentagons(size: float, digits: int) -> None:
 
 def test_tangent_of_typed_hexagons_is_isotropic() -> None:
     pattern = custom([HEXAGON.round(3)], *HEXAGONAL.round(3))
-    stiffness = fs.tangent_stiffness(pattern, mesh=COARSE).stiffness
+    stiffness = fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=COARSE)).stiffness
     values = [stiffness(angle) for angle in (0.0, 11.0, 45.0, 90.0)]
     assert np.ptp(values) < 1e-8 * np.mean(values)
 
 
 def test_tangent_of_squares_far_from_the_origin() -> None:
     near, far = (
-        fs.tangent_stiffness(custom([np.array(SQUARE) + move], (10, 0), (0, 10)), mesh=COARSE)
+        fs.tangent_stiffness(
+            custom([np.array(SQUARE) + move], (10, 0), (0, 10)), model=fs.NativeModel(mesh=COARSE)
+        )
         for move in (0.0, (192800.0, 231454.0))
     )
     assert far.stiffness(0.0) == near.stiffness(0.0)

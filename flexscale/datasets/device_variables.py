@@ -1,0 +1,99 @@
+"""What kinds of sheets on the testing devices share: axes, sizes and variables of each device."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from flexscale.datasets.build import build_dataset
+from flexscale.datasets.identity import Recipe
+from flexscale.datasets.sheet_variables import COUNTS, Measured, number
+from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
+
+
+def of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> Measured:
+    """Variables of one device over side and its own axis; a dataset has all of them or none."""
+    dims = ("side", axis)
+    common = (
+        ("energy", "N mm", f"elastic energy of the {part}"),
+        ("largest_curvature", "mm-1", f"largest principal curvature in the {part}"),
+    )
+    numbers = tuple(
+        Variable(f"{device}_{name}", dims, "float64", units, long_name, True)
+        for name, units, long_name in (*own, *common)
+    )
+    counts = tuple(
+        Variable(f"{device}_{name}", dims, "int32", "1", f"{long_name}, {part}", True)
+        for name, long_name in COUNTS
+    )
+    end = f"end of the solve, {part}"
+    status = Variable(f"{device}_status", dims, "int8", "1", end, True, STATUS_ATTRS)
+    return (*numbers, *counts, status)
+
+
+def size(name: str, units: str, long_name: str) -> Variable:
+    return Variable(name, (), "float64", units, long_name, True)
+
+
+STRIP = (
+    number("stage_length", (), "mm", "length of the strip between its hinges"),
+    number("stage_width", (), "mm", "width of the strip"),
+    number("stage_direction", (), "degree", "direction of the length in the pattern's coordinates"),
+)
+#: Device -> its axis, sizes and variables; a dataset of kind rig has one device or both.
+DEVICE_COORDINATES = {
+    "mandrel": (
+        Variable("angle", ("angle",), "float64", "degree", "angle around the rim", True),
+        size("mandrel_radius", "mm", "radius of the disc"),
+        size("mandrel_hub", "mm", "radius of the hub that holds the disc"),
+        size("mandrel_indentation", "mm", "indentation of the rim, normal to the disc"),
+    ),
+    "stage": (
+        Variable("shortening", ("shortening",), "float64", "mm", "shortening of the strip", True),
+        *(replace(item, optional=True) for item in STRIP),
+    ),
+}
+DEVICE_VARIABLES = {
+    "mandrel": of_device("mandrel", "disc", "angle", ("force", "N", "force of the probe")),
+    "stage": of_device(
+        "stage",
+        "strip",
+        "shortening",
+        ("force", "N", "force on the hinges"),
+        ("deflection", "mm", "deflection of the middle, to the outer side of the arc"),
+    ),
+}
+
+
+def build_rig_dataset(
+    schema: Schema,
+    sides: Sequence[str],
+    devices: Mapping[str, Mapping[str, ArrayLike]],
+    *,
+    scalars: Mapping[str, float | str],
+    config: Mapping[str, Any],
+    recipe: Recipe | None = None,
+    numbers: Mapping[str, int] | None = None,
+) -> xr.Dataset:
+    """Dataset of kind rig, or native_rig.
+
+    Parameters
+    ----------
+    schema : of kind rig, or native_rig.
+    sides : of "closing", "opening".
+    devices : of "mandrel" and "stage" one or both; each with its axis ("angle" in degree, or
+        "shortening" in mm, increasing), and its sizes and variables by the names of the schema
+        without the device's. Variables are (n_sides, n_axis).
+    numbers : of no device, by the names of the schema.
+    scalars, config, recipe : as in `build_sweep_dataset`.
+    """
+    values: dict[str, Any] = {"side": list(sides), **(numbers or {})}
+    for device, arrays in devices.items():
+        for name, value in arrays.items():
+            own = name in ("angle", "shortening")
+            values[name if own else f"{device}_{name}"] = value
+    return build_dataset(schema, values, scalars=scalars, config=config, recipe=recipe)

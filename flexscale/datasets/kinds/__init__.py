@@ -1,0 +1,1 @@
+"""Every kind of dataset is one room: its table, its check, and how it is built from arrays."""

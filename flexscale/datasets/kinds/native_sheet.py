@@ -1,0 +1,28 @@
+"""Kind `native_sheet`: a sheet of scales between end strips."""
+
+from __future__ import annotations
+
+from flexscale.datasets.sheet_variables import (
+    BENT,
+    SIZES,
+    check_sheet_samples,
+    count,
+    number,
+    response,
+    strips,
+)
+from flexscale.datasets.variables import Schema
+
+NATIVE_SHEET = Schema(
+    "native_sheet",
+    1,
+    "Rectangular sheet of whole and cut scales, bent between two end strips",
+    coordinates=strips(("curvature",), ()),
+    variables=(
+        *response(BENT),
+        number("min_gap", BENT, "mm", "smallest distance between scales"),
+        count("contact_pairs", BENT, "active contact pairs"),
+        *SIZES,
+    ),
+    check=check_sheet_samples,
+)

@@ -1,0 +1,116 @@
+"""The native model by name, with all its options: one object from file to computation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+from flexscale import checks
+from flexscale.checks import checked, choice
+from flexscale.errors import BadInputError, ConfigError, shown
+from flexscale.mechanics.contact_options import ContactOptions
+from flexscale.mechanics.scale_options import ScaleOptions
+from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.mesh.options import MeshOptions
+from flexscale.solve.solver_options import SolverOptions
+
+NATIVE_MODELS = ("shell",)
+
+
+@checked(
+    name=choice("native model", NATIVE_MODELS),
+    mesh=checks.MESH,
+    substrate=checks.SUBSTRATE,
+    scales=checks.SCALES,
+    contact=checks.CONTACT,
+    solver=checks.SOLVER,
+)
+@dataclass(frozen=True)
+class NativeModel:
+    """How a pattern's scales and substrate are modeled, and how equilibria are sought.
+
+    Attributes
+    ----------
+    name : "shell", the paper's: a shell in the gaps, clamped to scales of finite elements.
+    mesh : element sizes.
+    substrate : elements of the substrate.
+    scales : how scales are modeled.
+    contact : how scales touch.
+    solver : how equilibria are sought.
+    """
+
+    name: str = "shell"
+    mesh: MeshOptions = field(default_factory=MeshOptions)
+    substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
+    scales: ScaleOptions = field(default_factory=ScaleOptions)
+    contact: ContactOptions = field(default_factory=ContactOptions)
+    solver: SolverOptions = field(default_factory=SolverOptions)
+
+    @property
+    def without_contact(self) -> NativeModel:
+        """The same with scales that pass through one another."""
+        return replace(self, contact=ContactOptions(enabled=False))
+
+    def to_config(self, *parts: str) -> dict[str, Any]:
+        """Plain numbers and text by part, `parts` alone if given; `from_config` is the inverse.
+
+        The name is left out: there is one model yet.
+        """
+        return {part: getattr(self, part).to_config() for part in parts or PARTS}
+
+    @classmethod
+    def from_config(cls, config: Mapping[str, Any]) -> NativeModel:
+        """The model of a configuration; parts that it does not name are the default.
+
+        Raises
+        ------
+        ConfigError, UnitRangeError, UnknownNameError : an option is unknown or out of range.
+        """
+        parts = {}
+        for part in PARTS:
+            if part in config:
+                try:
+                    parts[part] = PARTS[part](**config[part])
+                except TypeError as error:  # a name that the options do not have, or no mapping
+                    raise ConfigError(f"{part} is {shown(config[part])}: {error}.") from error
+        return cls(**parts)
+
+
+#: Options of a native model -> their class.
+PARTS: dict[str, type[Any]] = {
+    item.name: item.default_factory  # type: ignore[misc]
+    for item in fields(NativeModel)
+    if item.name != "name"
+}
+
+
+def native_model(value: Any, label: str = "model") -> NativeModel:
+    """Check of a native model, which a name stands for with its default options."""
+    if isinstance(value, NativeModel):
+        return value
+    if isinstance(value, str):
+        return NativeModel(value)
+    raise BadInputError(
+        f'{label} must be a native model, not {shown(value)}: write model="shell", or '
+        "model=fs.NativeModel(…)."
+    )
+
+
+def require_finite_sheet(model: NativeModel) -> None:
+    """Refuse what a finite sheet does not compute, before anything is meshed.
+
+    Raises
+    ------
+    ConfigError : scales or a substrate that only a periodic cell has.
+    """
+    if model.scales.model != "modes":
+        raise ConfigError(
+            f"A native sheet or stage has scales of few modes, not {model.scales.model!r}: leave "
+            "the model of the scales at 'modes'."
+        )
+    if model.substrate.element != "c1":
+        raise ConfigError(
+            f"A native sheet or stage has a substrate of smooth triangles, not "
+            f"{model.substrate.element!r}: leave the element of the substrate at 'c1'."
+        )

@@ -1,0 +1,1 @@
+"""Every step is one room: its block, what it takes, how it computes, its figures."""

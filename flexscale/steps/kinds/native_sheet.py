@@ -1,0 +1,104 @@
+"""Step `native_sheet`: a rectangular sheet of scales, bent between end strips."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Self
+
+from pydantic import field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from flexscale.homogenize.native_model import NativeModel, require_finite_sheet
+from flexscale.mesh.estimate import require_moderate_sheet
+from flexscale.patterns.pattern import Pattern
+from flexscale.sides import SIDES
+from flexscale.steps.blocks import Curvatures, Direction, Sides, Size, increasing
+from flexscale.steps.folds import require_open
+from flexscale.steps.quantities import declared
+from flexscale.steps.step import BENT, Figure, Resources, Step, StepBlock, Task
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexscale.steps.experiment import Experiment
+
+
+class StripsBlock(StepBlock):
+    """A rectangular sheet between end strips, of scales or of a macro model."""
+
+    length: Size = declared(100.0, "length, along which it is bent", gt=0.0)
+    width: Size = declared(50.0, "width", gt=0.0)
+    curvatures: Curvatures = declared(
+        (0.0, 0.005, 0.01, 0.015, 0.02, 0.025), "curvatures, increasing", min_length=1
+    )
+    direction: Direction = declared(0.0, "of its length in the pattern's coordinates")
+    sides: Sides = declared(SIDES, "sides to bend to: closing, opening", min_length=1)
+
+    @field_validator("curvatures")
+    @classmethod
+    def _curvatures_increase(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        if values[0] < 0.0:
+            raise PydanticCustomError(
+                "range", "curvatures are not negative: `sides` says to which side to bend", {}
+            )
+        return increasing(values)
+
+    @model_validator(mode="after")
+    def _does_not_meet_itself(self) -> Self:
+        require_open(self.curvatures[-1], self.length)
+        return self
+
+    def n_samples(self, pattern: Pattern) -> int:
+        """One for each side and curvature."""
+        return len(self.sides) * len(self.curvatures)
+
+
+class NativeSheetBlock(StripsBlock):
+    """A rectangular sheet of scales bent between end strips."""
+
+    def refuse_in(self, experiment: Experiment) -> None:
+        """Options that only a periodic cell has."""
+        require_finite_sheet(experiment.native)
+
+    def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
+        """A mesh that is too large."""
+        require_moderate_sheet(pattern, native.mesh, self.length, self.width)
+
+
+def compute(
+    task: Task[NativeSheetBlock], inputs: Mapping[str, xr.Dataset], resources: Resources
+) -> xr.Dataset:
+    """Dataset of kind native_sheet; values are nan where the sheet did not converge."""
+    from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
+
+    block = task.block
+    return simulate_native_sheet(
+        task.pattern,
+        length=block.length,
+        width=block.width,
+        curvatures=block.curvatures,
+        direction=block.direction,
+        sides=block.sides,
+        model=task.native,
+        checkpoint=resources.checkpoint,
+        on_sample=resources.on_sample,
+    )
+
+
+NATIVE_SHEET = Step(
+    "native_sheet",
+    1,
+    NativeSheetBlock,
+    "the scales themselves between end strips; {} for defaults, which take hours",
+    compute,
+    native=BENT,
+    resumable=True,
+    figures=(
+        Figure(
+            "native_sheet",
+            ("native_sheet",),
+            lambda plot, sheet: plot.sheet(sheet),
+            "Energy of a sheet of scales between end strips against their curvature.",
+        ),
+    ),
+)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 import numbers
-from collections.abc import Sequence, Sized
+from collections.abc import Iterator, Sequence, Sized
 
 import numpy as np
 
@@ -119,8 +119,9 @@ def require_array(value: object, name: str, unit: str) -> FloatArray:
     refusal = f"{name} must be numbers{_in(unit)}, all finite, not {shown(value)}."
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise UnitRangeError(refusal)
-    if isinstance(value, Sequence) and len(value) > 100 * MOST_VALUES:
-        raise UnitRangeError(f"{name} are {len(value)} numbers, more than can be taken.")
+    longest = max(_lengths(value), default=0)
+    if longest > 100 * MOST_VALUES:
+        raise UnitRangeError(f"{name} are {longest} numbers, more than can be taken.")
     try:
         array = np.asarray(value)
         if array.dtype.kind == "O":  # for instance numbers too large for numpy
@@ -130,6 +131,16 @@ def require_array(value: object, name: str, unit: str) -> FloatArray:
     if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
         raise UnitRangeError(refusal)
     return array.astype(float)
+
+
+def _lengths(value: object, depth: int = 4) -> Iterator[int]:
+    """Lengths of nested sequences, which numpy would spread out in memory."""
+    if isinstance(value, list | tuple | range):
+        yield len(value)
+        if depth and len(value) <= 100 * MOST_VALUES and not isinstance(value, range):
+            for item in value:
+                if isinstance(item, list | tuple | range):
+                    yield from _lengths(item, depth - 1)
 
 
 def require_series(value: object, name: str, unit: str) -> tuple[float, ...]:

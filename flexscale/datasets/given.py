@@ -77,9 +77,20 @@ def _require_declared(dataset: xr.Dataset, name: str, what: str, kind: str) -> N
         raise SchemaError(f"{what} needs {name} as {known[0].dtype}, not as {variable.dtype}.")
     if variable.size == 0:
         raise SchemaError(f"{what} needs {name}, of which this dataset has no values.")
-    is_axis = variable.dims == (name,) and variable.dtype.kind == "f"
-    if is_axis and not np.isfinite(variable.values).all():
+    for axis in {name, *map(str, variable.dims)} & set(dataset.variables):
+        _require_axis(dataset, axis)
+
+
+def _require_axis(dataset: xr.Dataset, name: str) -> None:
+    """Refuse an axis by which values cannot be told apart."""
+    axis = dataset.variables[name]
+    if axis.dims != (name,):
+        return
+    if axis.dtype.kind == "f" and not np.isfinite(axis.values).all():
         raise SchemaError(f"The {name} of this dataset has values that are not finite.")
+    listed = axis.values.tolist()
+    if len(set(map(str, listed))) < len(listed):
+        raise SchemaError(f"The {name} of this dataset has a value twice: {shown(listed)}.")
 
 
 def _is_of_type(dtype: np.dtype, declared: Variable) -> bool:

@@ -293,6 +293,8 @@ class Pattern:
             raise PatternError(f"A pattern's configuration must be a dict, not {shown(config)}.")
         values = dict(config)
         family = values.pop("family", CUSTOM)
+        if not isinstance(family, str):
+            raise PatternError(f"A pattern's family must be a text, not {shown(family)}.")
         of_family = {"parameters", "edges", "tile_area"}
         shape = {"tiles", "lattice"} if family == CUSTOM else of_family
         may_be = {"name", *SIZES, *MATERIALS} | ({"symmetrize"} if family == CUSTOM else set())

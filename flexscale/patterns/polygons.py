@@ -17,7 +17,8 @@ MOST_CORNERS = 100_000  # of a tile
 
 def polygons(value: Any, label: str) -> list[FloatArray]:
     """Check of tiles: polygons as arrays (n_i, 2), mm."""
-    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str | bytes):
+    listed = isinstance(value, Sequence) or (isinstance(value, np.ndarray) and value.ndim > 0)
+    if not listed or isinstance(value, str | bytes):
         raise PatternError(f"{label} must be a list of polygons in mm, not {shown(value)}.")
     return [_polygon(tile, number) for number, tile in enumerate(value)]
 

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.given import require_variables
 from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.datasets.kinds.tangent import build_tangent_dataset
 from flexscale.datasets.schema import SCHEMAS
@@ -188,6 +189,14 @@ def test_derive_replaces_units() -> None:
     squared = derive(moment**2, "moment_squared", "N2", "squared moment")
     assert squared.attrs == {"units": "N2", "long_name": "squared moment"}
     assert moment.attrs["units"] == "N"
+
+
+def test_an_axis_that_has_a_value_twice_tells_nothing_apart() -> None:
+    data = sweep()
+    doubled = data.isel(side=[0, 0])
+    with pytest.raises(SchemaError, match="side of this dataset has a value twice"):
+        require_variables(doubled, ["moment"], "A plot", "sweep")
+    require_variables(data, ["moment"], "A plot", "sweep")
 
 
 def test_no_schema_names_a_variable_twice() -> None:

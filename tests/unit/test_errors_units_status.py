@@ -107,6 +107,12 @@ def test_what_is_no_array_of_numbers_is_refused(value: object) -> None:
         units.require_array(value, "gaps", "mm")
 
 
+@pytest.mark.parametrize("value", [range(10**12), [[0.1, 0.2], range(10**12)], [[[[0.1] * 10**7]]]])
+def test_numbers_that_no_memory_holds_are_refused_at_once(value: object) -> None:
+    with pytest.raises(errors.UnitRangeError, match="more than can be taken"):
+        units.require_array(value, "gaps", "mm")
+
+
 def test_lengths_lie_between_a_micrometer_and_ten_meters() -> None:
     assert units.require_length(100, "width") == 100.0
     for value in (1e-6, 1e6):

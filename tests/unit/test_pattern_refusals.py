@@ -22,6 +22,7 @@ POLYGONS = {
     "a line": ([[(0, 0), (10, 0), (20, 0)]], (10, 0), (0, 10), "simple polygon"),
     "not numbers": ([[(0, 0), (10, float("nan")), (0, 10)]], (10, 0), (0, 10), "finite"),
     "not points": ([["a", "b"]], (10, 0), (0, 10), "list of (x, y) corners"),
+    "a number": (np.array(1.0), (10, 0), (0, 10), "must be a list of polygons"),
     "no tile": ([], (10, 0), (0, 10), "at least one tile"),
     "holes": ([SQUARE], (10, 0), (0, 11), "leave holes"),
     "overlap": ([SQUARE], (10, 0), (0, 9), "overlap"),
@@ -34,6 +35,13 @@ POLYGONS = {
     "parallel lattice": ([SQUARE], (10, 0), (20, 0), "parallel"),
     "half a lattice": ([SQUARE], (10, 0), (0,), "two finite numbers"),
 }
+
+
+@pytest.mark.parametrize("family", [np.zeros(2, dtype=[("a", float)]), 7, None])
+def test_a_family_is_a_text(family: object) -> None:
+    config = custom([SQUARE], (10, 0), (0, 10)).to_config() | {"family": family}
+    with pytest.raises(PatternError, match="family must be a text"):
+        Pattern.from_config(config)
 
 
 @pytest.mark.parametrize("case", list(POLYGONS))

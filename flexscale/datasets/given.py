@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexscale.datasets.schema import SCHEMAS
-from flexscale.datasets.variables import Variable
+from flexscale.datasets.variables import SCALARS, Variable
 from flexscale.errors import SchemaError, shown
 
 if TYPE_CHECKING:
@@ -58,6 +58,15 @@ def read_config(dataset: xr.Dataset) -> dict[str, Any]:
     if not isinstance(config, dict):
         raise SchemaError(f"The attribute flexscale_config of the dataset is {shown(given)}.")
     return config
+
+
+def read_labels(dataset: xr.Dataset) -> dict[str, float | str]:
+    """What the dataset is labelled with: pattern, family, sizes, materials."""
+    labels: dict[str, float | str] = {"family": "custom", "pattern": "custom"}
+    for scalar in SCALARS:
+        if scalar.name in dataset.variables and dataset[scalar.name].ndim == 0:
+            labels[scalar.name] = dataset[scalar.name].item()
+    return labels
 
 
 def _require_declared(dataset: xr.Dataset, name: str, what: str, kind: str) -> None:

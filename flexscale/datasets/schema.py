@@ -5,6 +5,7 @@ from __future__ import annotations
 from flexscale.datasets.kinds import (
     cell,
     fit,
+    gap_model,
     native_rig,
     native_sheet,
     rig,
@@ -25,6 +26,7 @@ SCHEMAS: dict[str, Schema] = {
         tangent.TANGENT,
         shape.SHAPE,
         fit.FIT,
+        gap_model.GAP_MODEL,
         sheet.SHEET,
         turned_sheet.TURNED_SHEET,
         native_sheet.NATIVE_SHEET,

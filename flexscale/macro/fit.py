@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flexscale.arrays import FloatArray
 from flexscale.checks import DATASET, checked, choice, number
-from flexscale.datasets.given import read_config
-from flexscale.datasets.variables import SCALARS, VARIANTS, WEIGHTINGS, Variant, Weighting
+from flexscale.datasets.given import read_config, read_labels
+from flexscale.datasets.variables import VARIANTS, WEIGHTINGS, Variant, Weighting
 from flexscale.errors import BadInputError
 from flexscale.macro.assessment import assess
 from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
@@ -87,7 +87,7 @@ def fit(
     require_visible_onset(laws, samples)
     polar = fit_refined(laws, samples, weighting, flat)
     assert polar is not None  # read_samples saw to it that the directions suffice
-    labels = _labels(sweep)
+    labels = read_labels(sweep)
     return MacroModel(
         polar=polar,
         laws=laws,
@@ -99,7 +99,7 @@ def fit(
         w_biaxial=choose_w_biaxial(w_biaxial, in_plane, labels.get("tile_area")),
         n_ignored=samples.n_ignored,
         labels=labels,
-        config={"weighting": weighting, "variant": variant, "sweep": _config(sweep)},
+        config={"weighting": weighting, "variant": variant, "sweep": read_config(sweep)},
     )
 
 
@@ -116,16 +116,3 @@ def _rest_stiffness(
             ", or choose variant='paper', which needs none."
         )
     return None, None
-
-
-def _labels(sweep: xr.Dataset) -> dict[str, float | str]:
-    """What the sweep is labelled with: pattern, family, sizes, materials."""
-    labels: dict[str, float | str] = {"family": "custom", "pattern": "custom"}
-    for scalar in SCALARS:
-        if scalar.name in sweep.variables and sweep[scalar.name].ndim == 0:
-            labels[scalar.name] = sweep[scalar.name].item()
-    return labels
-
-
-def _config(sweep: xr.Dataset) -> dict[str, Any]:
-    return read_config(sweep)

@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,10 @@ from scipy.optimize import least_squares
 
 from flexscale import checks
 from flexscale.arrays import FloatArray
-from flexscale.checks import checked, number
+from flexscale.checks import checked, number, series
+from flexscale.datasets.checks import check_dataset
+from flexscale.datasets.given import read_labels, require_variables
+from flexscale.datasets.kinds.gap_model import build_gap_model_dataset
 from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.macro import gap_law
 from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
@@ -33,7 +36,7 @@ from flexscale.macro.tensors import (
     warn_beyond_tensors,
 )
 from flexscale.mechanics.sheet_law import SheetLaw
-from flexscale.sides import side_sign
+from flexscale.sides import SIDES, side_sign
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,6 +47,17 @@ if TYPE_CHECKING:
 
 #: mm-1, up to which the model was compared with native cells (benchmarks/gap_models.py).
 LARGEST_CURVATURE = 0.03
+DIRECTIONS = tuple(5.0 * index for index in range(36))  # degree, of a dataset's onsets
+#: Of a dataset: what is the model's own, and what its gaps'.
+_STORED = (
+    "tangent",
+    "in_plane",
+    "softening",
+    "contact_softening",
+    "w_biaxial",
+    "largest_curvature",
+)
+_GAPS = ("distances", "slopes", "compliance")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,6 +178,42 @@ class GapModel:
         samples = read_samples(sweep)
         require_same_cell(stiffness_harmonics(self.tangent), samples)
         return samples
+
+    @checked(directions=series("degree"))
+    def to_dataset(
+        self, directions: Sequence[float] = DIRECTIONS, *, config: Mapping[str, Any] | None = None
+    ) -> xr.Dataset:
+        """Dataset of kind gap_model; all of the model is in it.
+
+        Parameters
+        ----------
+        directions : degree, increasing, at which onsets of contact are tabulated.
+        config : how the model was made, for the dataset's recipe.
+        """
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in _STORED}
+        arrays |= {name: getattr(self.contact, name) for name in _GAPS}
+        arrays["onset"] = np.stack([self.onset(directions, side) for side in SIDES])
+        labels = {"family": "custom", "pattern": "custom", **self.labels}
+        return build_gap_model_dataset(
+            SIDES, directions, arrays, scalars=labels, config=config or {}
+        )
+
+    @classmethod
+    def from_dataset(cls, dataset: xr.Dataset) -> GapModel:
+        """The model that a dataset of kind gap_model holds.
+
+        Raises
+        ------
+        SchemaError : a dataset of another kind, or values that no model has.
+        """
+        from flexscale.homogenize.flat_contact import FlatContact
+
+        require_variables(dataset, (*_STORED, *_GAPS), "A gap model", "gap_model")
+        check_dataset(dataset, "gap_model")
+        own: dict[str, Any] = {name: dataset[name].values for name in _STORED}
+        own |= {name: value.item() for name, value in own.items() if value.ndim == 0}
+        gaps = FlatContact(*(dataset[name].values for name in _GAPS))
+        return cls(**own, contact=gaps, labels=read_labels(dataset))
 
     def __repr__(self) -> str:
         who = " ".join(str(self.labels.get(name, "")) for name in ("family", "pattern")).strip()

@@ -9,9 +9,9 @@ import numpy as np
 from flexscale.arrays import FloatArray
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.fit_values import PARAMETERS
-from flexscale.datasets.given import read_config, require_variables
+from flexscale.datasets.given import read_config, read_labels, require_variables
 from flexscale.datasets.kinds.fit import FIT, build_fit_dataset
-from flexscale.datasets.variables import ASSESSMENTS, SCALARS, STATISTICS
+from flexscale.datasets.variables import ASSESSMENTS, STATISTICS
 from flexscale.errors import SchemaError
 from flexscale.macro.assessment import FitErrors
 from flexscale.macro.harmonics import Harmonics
@@ -103,7 +103,6 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
         values["samples_beyond"],
         float(values["softening"]),
     )
-    labels = {item.name: values[item.name].item() for item in SCALARS if item.name in values}
     return {
         "polar": _polar_of(dataset, sides),
         "laws": laws,
@@ -114,7 +113,7 @@ def read_model(dataset: xr.Dataset) -> dict[str, Any]:
         "in_plane": _or_none(values["in_plane"]),
         "w_biaxial": float(values["w_biaxial"]),
         "n_ignored": int(values["n_ignored"]),
-        "labels": labels,
+        "labels": read_labels(dataset),
         "config": read_config(dataset),
     }
 

@@ -2,6 +2,7 @@
 
 from flexscale.plotting.curves import curves
 from flexscale.plotting.fits import fit
+from flexscale.plotting.gap_models import gap_model
 from flexscale.plotting.macro_polar import macro_polar
 from flexscale.plotting.polar import polar, stiffness
 from flexscale.plotting.rigs import rig
@@ -17,6 +18,7 @@ __all__ = [
     "curves",
     "fit",
     "flexscale_style",
+    "gap_model",
     "macro_polar",
     "polar",
     "rig",

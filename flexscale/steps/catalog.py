@@ -8,6 +8,7 @@ from __future__ import annotations
 from flexscale.steps.kinds import (
     cell,
     fit,
+    gap_model,
     native_rig,
     native_sheet,
     rig,
@@ -28,6 +29,7 @@ STEPS: dict[str, Step] = {
         sweep.SWEEP,
         shape.SHAPE,
         fit.FIT,
+        gap_model.GAP_MODEL,
         sheet.SHEET,
         turned_sheet.TURNED_SHEET,
         native_sheet.NATIVE_SHEET,

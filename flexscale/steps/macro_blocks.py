@@ -2,11 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from flexscale.errors import BadInputError
 from flexscale.mesh.sheet import rectangle_triangles, require_moderate_triangles
+from flexscale.steps.quantities import declared
+from flexscale.steps.step import StepBlock
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexscale.macro.gap_model import GapModel
+    from flexscale.macro.model import MacroModel
+
+
+class MacroBlock(StepBlock):
+    """On sheets of one macro model: the fit, or the gap model."""
+
+    silent: ClassVar[tuple[str, ...]] = ("model",)
+
+    model: Literal["fit", "gap_model"] = declared("fit", "block of the macro model: fit, gap_model")
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The step whose dataset is the model."""
+        return (self.model,)
+
+    def read_model(self, inputs: Mapping[str, xr.Dataset]) -> MacroModel | GapModel:
+        """The model, from the datasets that the step is given."""
+        from flexscale.macro.gap_model import GapModel
+        from flexscale.macro.model import MacroModel
+
+        made = MacroModel if self.model == "fit" else GapModel
+        return made.from_dataset(inputs[self.model])
 
 
 @contextmanager

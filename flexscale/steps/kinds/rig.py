@@ -14,17 +14,17 @@ from flexscale.mesh.sheet import require_moderate_triangles
 from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SIDES
 from flexscale.steps.blocks import Block, Direction, Directions, Lengths, Sides, Size, increasing
-from flexscale.steps.macro_blocks import named, refuse_many_triangles
+from flexscale.steps.macro_blocks import MacroBlock, named, refuse_many_triangles
 from flexscale.steps.quantities import declared
-from flexscale.steps.step import Figure, Resources, Step, StepBlock, Task
+from flexscale.steps.step import Figure, Resources, Step, Task
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
     from flexscale.macro.mandrel import MandrelTest
-    from flexscale.macro.model import MacroModel
     from flexscale.macro.rigs import RigOptions
+    from flexscale.macro.sheet_model import SheetModel
     from flexscale.macro.stage import StageTest
 
 #: Variable of the dataset, without its device -> attribute of a test.
@@ -75,10 +75,8 @@ class StageBlock(Block):
         return self
 
 
-class RigBlock(StepBlock):
-    """The testing devices, one or both."""
-
-    takes: ClassVar[tuple[str, ...]] = ("fit",)
+class RigBlock(MacroBlock):
+    """A macro model on the testing devices, one or both."""
 
     sides: Sides = declared(SIDES, "sides to bend to: closing, opening", min_length=1)
     size: Size = declared(Rim.size, "sides of the triangles", gt=0.0)
@@ -113,10 +111,9 @@ def compute(
     """Dataset of kind rig; values are nan where a device's sheet did not converge."""
     from flexscale.datasets.device_variables import build_rig_dataset
     from flexscale.datasets.kinds.rig import RIG as KIND
-    from flexscale.macro.model import MacroModel
     from flexscale.macro.rigs import RigOptions
 
-    block, model = task.block, MacroModel.from_dataset(inputs["fit"])
+    block, model = task.block, task.block.read_model(inputs)
     options = RigOptions(size=block.size)
     devices: dict[str, dict[str, Any]] = {}
     if block.mandrel is not None:
@@ -127,7 +124,7 @@ def compute(
 
 
 def _mandrel(
-    model: MacroModel, disc: MandrelBlock, sides: Sequence[str], options: RigOptions
+    model: SheetModel, disc: MandrelBlock, sides: Sequence[str], options: RigOptions
 ) -> dict[str, Any]:
     from flexscale.macro.mandrel import simulate_mandrel
 
@@ -137,7 +134,7 @@ def _mandrel(
 
 
 def _stage(
-    model: MacroModel, strip: StageBlock, sides: Sequence[str], options: RigOptions
+    model: SheetModel, strip: StageBlock, sides: Sequence[str], options: RigOptions
 ) -> dict[str, Any]:
     from flexscale.macro.stage import simulate_stage
 
@@ -163,7 +160,7 @@ RIG = Step(
     "rig",
     1,
     RigBlock,
-    "the fit on the testing devices",
+    "a macro model on the testing devices",
     compute,
     figures=(
         Figure(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 from pydantic import model_validator
 
 from flexscale.steps.blocks import Size
 from flexscale.steps.kinds.native_sheet import StripsBlock
-from flexscale.steps.macro_blocks import refuse_many_triangles
+from flexscale.steps.macro_blocks import MacroBlock, refuse_many_triangles
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import Figure, Resources, Step, Task
 
@@ -29,10 +29,8 @@ ARRAYS = {
 }
 
 
-class SheetBlock(StripsBlock):
-    """A rectangular sheet of the fit bent between end strips."""
-
-    takes: ClassVar[tuple[str, ...]] = ("fit",)
+class SheetBlock(StripsBlock, MacroBlock):
+    """A rectangular sheet of a macro model bent between end strips."""
 
     size: Size = declared(5.0, "sides of the triangles", gt=0.0)
 
@@ -51,10 +49,9 @@ def compute(
     from flexscale.datasets.kinds.sheet import SHEET as KIND
     from flexscale.datasets.sheet_variables import build_sheet_dataset
     from flexscale.macro.bent_sheet import BendingRig, SheetOptions
-    from flexscale.macro.model import MacroModel
     from flexscale.sides import side_sign
 
-    block, model = task.block, MacroModel.from_dataset(inputs["fit"])
+    block, model = task.block, task.block.read_model(inputs)
     rig = BendingRig(
         model.sheet_law(),
         length=block.length,
@@ -90,7 +87,7 @@ SHEET = Step(
     "sheet",
     1,
     SheetBlock,
-    "the fit between end strips; {} for defaults",
+    "a macro model between end strips; {} for defaults",
     compute,
     figures=(
         Figure(

@@ -32,8 +32,8 @@ def stopped_before_meshing() -> Iterator[None]:
 
     places = (
         "flexscale.mesh.torus.build_tile_mesh",
-        "flexscale.homogenize.native_sheet.clip_pattern",
-        "flexscale.homogenize.native_stage_dataset.clip_pattern",
+        "flexscale.finite.native_sheet.clip_pattern",
+        "flexscale.finite.native_stage_dataset.clip_pattern",
     )
     with ExitStack() as stack:
         for place in places:

@@ -30,8 +30,8 @@ from scipy.optimize import minimize_scalar
 
 import flexscale as fs
 from flexscale.datasets.registry import Registry
+from flexscale.finite.free_strip import FreeStrip
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.free_strip import FreeStrip
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.macro.gap_model import model_of_cell
 from flexscale.plotting.style import (

@@ -24,9 +24,9 @@ from report import datasets_and_output, heading, report
 
 import flexscale as fs
 from flexscale.datasets.registry import Registry
-from flexscale.homogenize.free_strip import FreeStrip
+from flexscale.finite.free_strip import FreeStrip
+from flexscale.finite.native_sheet import NativeSheet
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.homogenize.native_sheet import NativeSheet
 from flexscale.solve.solver_options import SolverOptions
 
 SIDE = "closing"

@@ -25,10 +25,10 @@ from shell_problems import (
     slit_annulus,
 )
 
-from flexscale.macro.bent_sheet import BendingRig, BentSheet, SheetOptions
-from flexscale.macro.sheet_problem import SheetProblem
 from flexscale.mechanics.linear_law import linear_sheet, orthotropic_matrix
 from flexscale.mechanics.sheet_law import SheetLaw
+from flexscale.sheets.bent_sheet import BendingRig, BentSheet, SheetOptions
+from flexscale.sheets.sheet_problem import SheetProblem
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
 #: Between two end strips; the stand-in for a fitted law: N/mm and N mm, of the order of a scaled

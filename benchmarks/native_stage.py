@@ -28,11 +28,11 @@ from report import datasets_and_output, heading, report, table
 
 import flexscale as fs
 from flexscale.datasets.registry import Registry
-from flexscale.homogenize.native_stage import NativeStage
-from flexscale.homogenize.stage_line import follow_shortenings
-from flexscale.macro.stage import StageRig
+from flexscale.finite.native_stage import NativeStage
+from flexscale.finite.stage_line import follow_shortenings
 from flexscale.patterns.clipped import clip_pattern
 from flexscale.plotting.rigs import compared_stages
+from flexscale.sheets.stage import StageRig
 from flexscale.solve.solver_options import SolverOptions
 
 REPEATS = 3

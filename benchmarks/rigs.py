@@ -19,9 +19,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import flexscale as fs
-from flexscale.macro.mandrel import MandrelRig, MandrelTest
-from flexscale.macro.stage import StageRig
 from flexscale.mechanics.linear_law import isotropic_sheet
+from flexscale.sheets.mandrel import MandrelRig, MandrelTest
+from flexscale.sheets.stage import StageRig
 from flexscale.status import SolveStatus
 
 YOUNG, THICKNESS = 26.0, 0.4  # MPa, mm

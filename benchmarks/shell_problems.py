@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexscale.macro.conditions import Conditions
-from flexscale.macro.grips import Grip, Turning
-from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.sheet import Sheet, build_sheet
-from flexscale.macro.sheet_problem import SheetProblem
-from flexscale.macro.sheet_rows import POSITION
-from flexscale.macro.surfaces import polar_plane, sphere
 from flexscale.mechanics.linear_law import isotropic_sheet, linear_sheet, orthotropic_matrix
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import annulus, crossed_rectangle, staggered_rectangle
+from flexscale.sheets.conditions import Conditions
+from flexscale.sheets.grips import Grip, Turning
+from flexscale.sheets.load_path import LoadStep, follow_loads
+from flexscale.sheets.sheet import Sheet, build_sheet
+from flexscale.sheets.sheet_problem import SheetProblem
+from flexscale.sheets.sheet_rows import POSITION
+from flexscale.sheets.surfaces import polar_plane, sphere
 from flexscale.solve.solver_options import SolverOptions
 
 CLOSE = 1e-9

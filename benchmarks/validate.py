@@ -24,9 +24,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ROOT / "results" / "reference" / "benchmarks"
-CELL = ("tilings", "patterns", "mesh", "mechanics", "embedding", "solve", "homogenize")
-EVERYTHING = (*CELL, "macro", "synthesis", "fabricate", "datasets", "plotting", "steps")
-SHEET = ("mechanics", "embedding", "solve", "macro")
+CELL = ("tilings", "patterns", "mesh", "mechanics", "embedding", "solve", "homogenize", "finite")
+EVERYTHING = (*CELL, "macro", "sheets", "synthesis", "fabricate", "datasets", "plotting", "steps")
+SHEET = ("mechanics", "embedding", "solve", "macro", "sheets")
 FOOTER = re.compile(r"\n\*Made by `(.+)` in (\d+) s, commit (\w+), sources (\w+)\.\*\n?$")
 
 
@@ -96,14 +96,14 @@ ALL = (
     Page("newton_iteration"),
     Page("solver_speed"),
     Page("supercells"),
-    Page("fit_errors", (*CELL, "macro"), reads="named_patterns"),
-    Page("fitted_sheet", (*CELL, "macro"), reads="named_patterns"),
-    Page("synthesis", (*CELL, "macro", "fabricate", "synthesis"), reads="named_patterns"),
-    Page("rig", (*CELL, "macro"), reads="named_patterns"),
-    Page("gap_models", (*CELL, "macro"), reads="named_patterns"),
-    Page("native_stage", (*CELL, "macro"), reads="named_patterns"),
-    Page("large_sheet", (*CELL, "macro"), reads="named_patterns"),
-    Page("recompute", (*CELL, "macro"), reads="named_patterns"),
+    Page("fit_errors", (*CELL, "macro", "sheets"), reads="named_patterns"),
+    Page("fitted_sheet", (*CELL, "macro", "sheets"), reads="named_patterns"),
+    Page("synthesis", (*CELL, "macro", "sheets", "fabricate", "synthesis"), reads="named_patterns"),
+    Page("rigs", (*CELL, "macro", "sheets"), reads="named_patterns"),
+    Page("gap_models", (*CELL, "macro", "sheets"), reads="named_patterns"),
+    Page("native_stage", (*CELL, "macro", "sheets"), reads="named_patterns"),
+    Page("large_sheet", (*CELL, "macro", "sheets"), reads="named_patterns"),
+    Page("recompute", (*CELL, "macro", "sheets"), reads="named_patterns"),
     Page("macro_shell", SHEET),
     Page("registry", ("datasets",)),
     Page("kills", ("datasets", "steps")),

@@ -15,19 +15,14 @@ if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
+    from flexscale.finite.native_sheet_dataset import simulate_native_sheet
+    from flexscale.finite.native_stage_dataset import simulate_native_stage
     from flexscale.homogenize.native_model import NativeModel
-    from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
-    from flexscale.homogenize.native_stage_dataset import simulate_native_stage
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
-    from flexscale.macro.bent_sheet import SheetOptions
     from flexscale.macro.fit import fit
     from flexscale.macro.gap_model import GapModel, gap_model
-    from flexscale.macro.mandrel import simulate_mandrel
     from flexscale.macro.model import MacroModel
-    from flexscale.macro.rigs import RigOptions
-    from flexscale.macro.simulate import simulate_sheet
-    from flexscale.macro.stage import simulate_stage
     from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -35,6 +30,11 @@ if TYPE_CHECKING:
     from flexscale.patterns.material import PETG, TPU, NeoHookean
     from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
+    from flexscale.sheets.bent_sheet import SheetOptions
+    from flexscale.sheets.mandrel import simulate_mandrel
+    from flexscale.sheets.rigs import RigOptions
+    from flexscale.sheets.simulate import simulate_sheet
+    from flexscale.sheets.stage import simulate_stage
     from flexscale.solve.solver_options import SolverOptions
     from flexscale.synthesis.scaled_sheet import ScaledSheet, synthesize_scales
     from flexscale.tilings import Tiling, families
@@ -90,8 +90,8 @@ _HOMES = {
     "NeoHookean": "flexscale.patterns.material",
     "Pattern": "flexscale.patterns.pattern",
     "ContactOptions": "flexscale.mechanics.contact_options",
-    "RigOptions": "flexscale.macro.rigs",
-    "SheetOptions": "flexscale.macro.bent_sheet",
+    "RigOptions": "flexscale.sheets.rigs",
+    "SheetOptions": "flexscale.sheets.bent_sheet",
     "ScaledSheet": "flexscale.synthesis.scaled_sheet",
     "ScaleOptions": "flexscale.mechanics.scale_options",
     "SolverOptions": "flexscale.solve.solver_options",
@@ -105,11 +105,11 @@ _HOMES = {
     "named_pattern": "flexscale.patterns.named",
     "named_patterns": "flexscale.patterns.named",
     "open_registry": "flexscale.datasets.registry",
-    "simulate_mandrel": "flexscale.macro.mandrel",
-    "simulate_native_sheet": "flexscale.homogenize.native_sheet_dataset",
-    "simulate_native_stage": "flexscale.homogenize.native_stage_dataset",
-    "simulate_sheet": "flexscale.macro.simulate",
-    "simulate_stage": "flexscale.macro.stage",
+    "simulate_mandrel": "flexscale.sheets.mandrel",
+    "simulate_native_sheet": "flexscale.finite.native_sheet_dataset",
+    "simulate_native_stage": "flexscale.finite.native_stage_dataset",
+    "simulate_sheet": "flexscale.sheets.simulate",
+    "simulate_stage": "flexscale.sheets.stage",
     "sweep": "flexscale.homogenize.sweep",
     "synthesize_scales": "flexscale.synthesis.scaled_sheet",
     "tangent_stiffness": "flexscale.homogenize.tangent",

@@ -267,8 +267,8 @@ SOLVER = options("flexscale.solve.solver_options:SolverOptions")
 CONTACT = options("flexscale.mechanics.contact_options:ContactOptions")
 SUBSTRATE = options("flexscale.mechanics.substrate_options:SubstrateOptions")
 SCALES = options("flexscale.mechanics.scale_options:ScaleOptions")
-RIG = options("flexscale.macro.rigs:RigOptions")
-SHEET = options("flexscale.macro.bent_sheet:SheetOptions")
+RIG = options("flexscale.sheets.rigs:RigOptions")
+SHEET = options("flexscale.sheets.bent_sheet:SheetOptions")
 MATERIAL = instance(
     "flexscale.patterns.material:NeoHookean",
     "write fs.NeoHookean(young_modulus=…, poisson_ratio=…), fs.PETG or fs.TPU",

@@ -33,6 +33,8 @@ FLOORS = {
     "solve": 4,
     "homogenize": 5,
     "macro": 6,
+    "sheets": 6,
+    "finite": 6,
     "fabricate": 6,
     "synthesis": 7,
     "steps": 8,
@@ -97,6 +99,35 @@ def allowed(room: str, target: str) -> bool:
         return FLOORS[room] >= 5
     ground = FLOORS[room] == 0 == FLOORS.get(target)
     return ground or (target in FLOORS and FLOORS[target] < FLOORS[room])
+
+
+def runtime_imports(path: Path) -> set[str]:
+    """Modules of flexscale that a module imports when it runs, at any depth."""
+    tree = ast.parse(path.read_text())
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            node.body = [ast.Pass()]
+    parts = ["flexscale", *path.relative_to(PACKAGE).parent.parts]
+    found = set()
+    for _, name in imports_of(ast.unparse(tree), ".".join(parts)):
+        file = PACKAGE.joinpath(*name.split(".")[1:])
+        if name.startswith("flexscale.") and file.with_suffix(".py").is_file():
+            found.add(name)
+    return found
+
+
+def test_no_modules_import_one_another_in_a_circle() -> None:
+    graph = {
+        ".".join(("flexscale", *path.relative_to(PACKAGE).with_suffix("").parts)): runtime_imports(
+            path
+        )
+        for path in PACKAGE.rglob("*.py")
+        if path.name != "__init__.py"
+    }
+    while leaves := {name for name, targets in graph.items() if not targets & graph.keys()}:
+        for name in leaves:
+            del graph[name]
+    assert not graph, "each of these imports another of these"
 
 
 def violations(source: str, path: str) -> list[str]:

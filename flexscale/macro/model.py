@@ -15,7 +15,6 @@ from flexscale.datasets.variables import Variant, Weighting
 from flexscale.errors import BadInputError
 from flexscale.macro import tensor_law
 from flexscale.macro.assessment import FitErrors
-from flexscale.macro.extrapolation import warn_beyond
 from flexscale.macro.law_table import build_law_table
 from flexscale.macro.polar import DirectionalLaws, PolarLaw
 from flexscale.macro.storage import read_model, write_model
@@ -28,6 +27,7 @@ from flexscale.macro.tensors import (
     warn_beyond_tensors,
 )
 from flexscale.macro.uniaxial import UniaxialLaw
+from flexscale.mechanics.extrapolation import warn_beyond
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.sides import SIDES
 

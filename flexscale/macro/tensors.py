@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from flexscale.arrays import FloatArray
 from flexscale.errors import UnitRangeError, shown
-from flexscale.macro.extrapolation import warn_beyond
+from flexscale.mechanics.extrapolation import warn_beyond
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.sides import side_sign
 from flexscale.units import LENGTHS, require_array

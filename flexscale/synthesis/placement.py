@@ -11,9 +11,9 @@ from flexscale.arrays import FloatArray
 from flexscale.fabricate.layout import Layout, lay_out, moved, no_whole_scale
 from flexscale.fabricate.shapes import Rectangle
 from flexscale.fabricate.solids import triangles_of
-from flexscale.macro.bent_sheet import BentSheet
 from flexscale.mechanics.hct import QUADRATURE_POINTS, QUADRATURE_WEIGHTS
 from flexscale.patterns import Pattern
+from flexscale.sheets.bent_sheet import BentSheet
 from flexscale.short_repr import ShortRepr
 
 _STRAIGHT = 1e-4  # mm: corners closer than this to a straight line are none; 3 steps of the grid

@@ -14,9 +14,9 @@ from flexscale import checks
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.checks import checked, flag, instance, number, point
 from flexscale.errors import BadInputError, suggest
-from flexscale.macro.bent_sheet import BentSheet
 from flexscale.mesh.vtu import write_vtu
 from flexscale.patterns import Pattern
+from flexscale.sheets.bent_sheet import BentSheet
 from flexscale.short_repr import ShortRepr
 from flexscale.status import SolveStatus
 from flexscale.synthesis.obj import write_obj
@@ -161,7 +161,7 @@ class ScaledSheet(ShortRepr):
 
 @checked(
     pattern=checks.PATTERN,
-    sheet=instance("flexscale.macro.bent_sheet:BentSheet", "make one with fs.simulate_sheet"),
+    sheet=instance("flexscale.sheets.bent_sheet:BentSheet", "make one with fs.simulate_sheet"),
     remove_overlap=flag,
     clearance=number("mm", 1e-6, LENGTHS[1], above=0.0),
     turn_weight=number("1", 1e-6, 1e6, above=0.0),

@@ -12,9 +12,9 @@ from scipy.optimize import minimize_scalar
 
 import flexscale as fs
 from flexscale.errors import BadInputError, PatternError, UnitRangeError
+from flexscale.finite.free_strip import FreeStrip
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.flat_contact import solve_flat_contact
-from flexscale.homogenize.free_strip import FreeStrip
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.patterns.strip import clip_strip
 from flexscale.solve.solver_options import SolverOptions

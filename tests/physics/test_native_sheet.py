@@ -9,9 +9,9 @@ import pytest
 
 import flexscale as fs
 from flexscale.errors import BadInputError, ConfigError, PatternError, UnitRangeError
+from flexscale.finite.native_sheet import NativeSheet, bend_native_sheet
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.homogenize.native_sheet import NativeSheet, bend_native_sheet
 from flexscale.mesh.finite import build_finite_mesh
 from flexscale.patterns.clipped import SLIVER, clip_pattern
 from flexscale.solve.solver_options import SolverOptions

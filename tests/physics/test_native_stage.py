@@ -13,8 +13,8 @@ import flexscale as fs
 from flexscale.datasets.checks import check_dataset
 from flexscale.embedding.curvature_map import Bend
 from flexscale.errors import BadInputError, PatternError, UnitRangeError, UnknownNameError
-from flexscale.homogenize.native_stage import FLAT, NativeStage
-from flexscale.homogenize.stage_line import follow_shortenings
+from flexscale.finite.native_stage import FLAT, NativeStage
+from flexscale.finite.stage_line import follow_shortenings
 from flexscale.mesh.finite import build_finite_mesh, strips
 from flexscale.patterns.cell import TiledCell
 from flexscale.patterns.clipped import SheetTiles, clip_pattern

@@ -12,9 +12,9 @@ from scipy.special import ellipe, ellipk
 import flexscale as fs
 from flexscale.errors import BadInputError, UnitRangeError, UnknownNameError
 from flexscale.homogenize.tangent import TangentStiffness
-from flexscale.macro.mandrel import MandrelRig, MandrelTest
-from flexscale.macro.stage import StageRig, StageTest
 from flexscale.mechanics.linear_law import isotropic_sheet
+from flexscale.sheets.mandrel import MandrelRig, MandrelTest
+from flexscale.sheets.stage import StageRig, StageTest
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.unit.fit_samples import kappa_0_of, law_sweep, tangent

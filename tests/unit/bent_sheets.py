@@ -7,9 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from flexscale.macro.bent_sheet import BendingRig, BentSheet, SheetOptions
 from flexscale.macro.fit import fit
-from flexscale.macro.surfaces import Surface, cylinder
+from flexscale.sheets.bent_sheet import BendingRig, BentSheet, SheetOptions
+from flexscale.sheets.surfaces import Surface, cylinder
 from tests.unit.fit_samples import law_sweep, tangent
 
 

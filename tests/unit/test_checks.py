@@ -111,7 +111,7 @@ def test_functions_on_patterns_refuse_before_meshing(
             raise AssertionError("meshed before all was checked")
 
         monkeypatch.setattr("flexscale.mesh.torus.build_tile_mesh", never)
-        monkeypatch.setattr("flexscale.homogenize.native_sheet.clip_pattern", never)
+        monkeypatch.setattr("flexscale.finite.native_sheet.clip_pattern", never)
     with pytest.raises(FlexScaleError):
         function(fs.named_pattern("square"), **arguments)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numba import njit
 
-from flexscale.macro.bent_sheet import SheetOptions, bend_sheet
 from flexscale.mechanics.constant_strain import ConstantStrainTriangles
 from flexscale.mechanics.edge_angles import EdgeAngleBending, EdgeStencils
 from flexscale.mechanics.linear_law import (
@@ -19,6 +18,7 @@ from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.sheet_shell import SheetShell
 from flexscale.mechanics.sheet_triangles import SheetTriangles
 from flexscale.mechanics.shell_law import FORM, TURN, bending_energy, membrane_energy, shell_law
+from flexscale.sheets.bent_sheet import SheetOptions, bend_sheet
 from flexscale.status import SolveStatus
 from tests.derivatives import full_hessian, relative_error
 from tests.unit.test_edge_angles import POINTS

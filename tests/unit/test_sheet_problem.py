@@ -9,16 +9,16 @@ import pytest
 from scipy.special import ellipe, ellipk
 
 from flexscale.errors import BadInputError, ConfigError, UnknownNameError
-from flexscale.macro.bent_sheet import BendingRig, SheetOptions, bend_sheet
-from flexscale.macro.conditions import Conditions
-from flexscale.macro.grips import Grip, Sliding, Turning
-from flexscale.macro.load_path import follow_loads
-from flexscale.macro.sheet import build_sheet
-from flexscale.macro.sheet_problem import SheetProblem
-from flexscale.macro.sheet_rows import POSITION
-from flexscale.macro.surfaces import cylinder, polar_plane, sphere
 from flexscale.mechanics.linear_law import isotropic_sheet, linear_sheet, orthotropic_matrix
 from flexscale.mesh.sheet import SheetMesh, disc, rectangle, staggered_rectangle
+from flexscale.sheets.bent_sheet import BendingRig, SheetOptions, bend_sheet
+from flexscale.sheets.conditions import Conditions
+from flexscale.sheets.grips import Grip, Sliding, Turning
+from flexscale.sheets.load_path import follow_loads
+from flexscale.sheets.sheet import build_sheet
+from flexscale.sheets.sheet_problem import SheetProblem
+from flexscale.sheets.sheet_rows import POSITION
+from flexscale.sheets.surfaces import cylinder, polar_plane, sphere
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, relative_error

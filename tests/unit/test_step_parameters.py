@@ -37,7 +37,8 @@ CONTENT: dict[str, Any] = {
     "native_rig": {"shortenings": [1]},
 }  # fmt: skip
 #: What the steps hand their parameters to; results are made up.
-HOMOGENIZE, MACRO = "flexscale.homogenize", "flexscale.macro"
+HOMOGENIZE, FINITE = "flexscale.homogenize", "flexscale.finite"
+MACRO, SHEETS = "flexscale.macro", "flexscale.sheets"
 CALLED = {
     "cell": ("flexscale.mesh.torus.build_mesh", f"{HOMOGENIZE}.labels.pattern_scalars",
              "flexscale.datasets.build.build_dataset"),
@@ -50,15 +51,15 @@ CALLED = {
     "shape": (f"{HOMOGENIZE}.shape.solve_shapes",),
     "fit": (f"{MACRO}.fit.fit", "flexscale.steps.kinds.fit.dataclasses.replace"),
     "gap_model": (f"{MACRO}.gap_model.gap_model",),
-    "sheet": (f"{MACRO}.model.MacroModel.from_dataset", f"{MACRO}.bent_sheet.BendingRig",
+    "sheet": (f"{MACRO}.model.MacroModel.from_dataset", f"{SHEETS}.bent_sheet.BendingRig",
               "flexscale.datasets.sheet_variables.build_sheet_dataset"),
-    "turned_sheet": (f"{MACRO}.fit.fit", f"{MACRO}.simulate.simulate_sheet",
+    "turned_sheet": (f"{MACRO}.fit.fit", f"{SHEETS}.simulate.simulate_sheet",
                      "flexscale.datasets.kinds.turned_sheet.build_turned_sheet_dataset"),
-    "rig": (f"{MACRO}.model.MacroModel.from_dataset", f"{MACRO}.mandrel.simulate_mandrel",
-            f"{MACRO}.stage.simulate_stage",
+    "rig": (f"{MACRO}.model.MacroModel.from_dataset", f"{SHEETS}.mandrel.simulate_mandrel",
+            f"{SHEETS}.stage.simulate_stage",
             "flexscale.datasets.device_variables.build_rig_dataset"),
-    "native_sheet": (f"{HOMOGENIZE}.native_sheet_dataset.simulate_native_sheet",),
-    "native_rig": (f"{HOMOGENIZE}.native_stage_dataset.simulate_native_stage",),
+    "native_sheet": (f"{FINITE}.native_sheet_dataset.simulate_native_sheet",),
+    "native_rig": (f"{FINITE}.native_stage_dataset.simulate_native_stage",),
 }  # fmt: skip
 #: These compute from datasets, which hold pattern and mesh; their recipes repeat them as labels.
 FROM_DATASETS = ("fit", "sheet", "turned_sheet", "rig")

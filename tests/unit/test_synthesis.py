@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import flexscale as fs
 from flexscale.errors import BadInputError, FabricationError, UnitRangeError
-from flexscale.macro.surfaces import cylinder
+from flexscale.sheets.surfaces import cylinder
 from flexscale.status import SolveStatus
 from tests.physics.intersections import surfaces_intersect
 from tests.unit.bent_sheets import flat_sheet, laid_on, moved, on_cylinder

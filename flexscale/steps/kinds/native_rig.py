@@ -44,7 +44,7 @@ def compute(
     task: Task[NativeRigBlock], inputs: Mapping[str, xr.Dataset], resources: Resources
 ) -> xr.Dataset:
     """Dataset of kind native_rig; values are nan where the strip did not converge."""
-    from flexscale.homogenize.native_stage_dataset import simulate_native_stage
+    from flexscale.finite.native_stage_dataset import simulate_native_stage
 
     block = task.block
     return simulate_native_stage(

@@ -69,7 +69,7 @@ def compute(
     task: Task[NativeSheetBlock], inputs: Mapping[str, xr.Dataset], resources: Resources
 ) -> xr.Dataset:
     """Dataset of kind native_sheet; values are nan where the sheet did not converge."""
-    from flexscale.homogenize.native_sheet_dataset import simulate_native_sheet
+    from flexscale.finite.native_sheet_dataset import simulate_native_sheet
 
     block = task.block
     return simulate_native_sheet(

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from flexscale.macro.rim import ANGLES, Rim
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mesh.sheet import require_moderate_triangles
 from flexscale.patterns.pattern import Pattern
+from flexscale.sheets.rim import ANGLES, Rim
 from flexscale.sides import SIDES
 from flexscale.steps.blocks import Block, Direction, Directions, Lengths, Sides, Size, increasing
 from flexscale.steps.macro_blocks import MacroBlock, named, refuse_many_triangles
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from flexscale.macro.mandrel import MandrelTest
-    from flexscale.macro.rigs import RigOptions
-    from flexscale.macro.sheet_model import SheetModel
-    from flexscale.macro.stage import StageTest
+    from flexscale.sheets.mandrel import MandrelTest
+    from flexscale.sheets.rigs import RigOptions
+    from flexscale.sheets.sheet_model import SheetModel
+    from flexscale.sheets.stage import StageTest
 
 #: Variable of the dataset, without its device -> attribute of a test.
 _ARRAYS = {
@@ -111,7 +111,7 @@ def compute(
     """Dataset of kind rig; values are nan where a device's sheet did not converge."""
     from flexscale.datasets.device_variables import build_rig_dataset
     from flexscale.datasets.kinds.rig import RIG as KIND
-    from flexscale.macro.rigs import RigOptions
+    from flexscale.sheets.rigs import RigOptions
 
     block, model = task.block, task.block.read_model(inputs)
     options = RigOptions(size=block.size)
@@ -126,7 +126,7 @@ def compute(
 def _mandrel(
     model: SheetModel, disc: MandrelBlock, sides: Sequence[str], options: RigOptions
 ) -> dict[str, Any]:
-    from flexscale.macro.mandrel import simulate_mandrel
+    from flexscale.sheets.mandrel import simulate_mandrel
 
     settings = disc.model_dump()
     tests = [simulate_mandrel(model, **settings, side=side, options=options) for side in sides]
@@ -136,7 +136,7 @@ def _mandrel(
 def _stage(
     model: SheetModel, strip: StageBlock, sides: Sequence[str], options: RigOptions
 ) -> dict[str, Any]:
-    from flexscale.macro.stage import simulate_stage
+    from flexscale.sheets.stage import simulate_stage
 
     settings = strip.model_dump()
     tests = [simulate_stage(model, **settings, side=side, options=options) for side in sides]

@@ -48,7 +48,7 @@ def compute(
 
     from flexscale.datasets.kinds.sheet import SHEET as KIND
     from flexscale.datasets.sheet_variables import build_sheet_dataset
-    from flexscale.macro.bent_sheet import BendingRig, SheetOptions
+    from flexscale.sheets.bent_sheet import BendingRig, SheetOptions
     from flexscale.sides import side_sign
 
     block, model = task.block, task.block.read_model(inputs)

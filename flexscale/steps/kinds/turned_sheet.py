@@ -79,9 +79,9 @@ def compute(
     import numpy as np
 
     from flexscale.datasets.kinds.turned_sheet import build_turned_sheet_dataset
-    from flexscale.macro.bent_sheet import SheetOptions
     from flexscale.macro.fit import fit
-    from flexscale.macro.simulate import simulate_sheet
+    from flexscale.sheets.bent_sheet import SheetOptions
+    from flexscale.sheets.simulate import simulate_sheet
     from flexscale.sides import side_sign
 
     block = task.block

@@ -11,11 +11,11 @@ import shapely
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import BadInputError
-from flexscale.macro.sheet import Sheet
-from flexscale.macro.sheet_rows import smooth_rows
 from flexscale.mechanics.hct import hct_ordinates
 from flexscale.mechanics.sheet_shell import SheetShell
 from flexscale.mesh.sheet import SheetMesh
+from flexscale.sheets.sheet import Sheet
+from flexscale.sheets.sheet_rows import smooth_rows
 
 _OUTSIDE = 1e-3  # of a triangle's height: how far beyond the border points may lie
 

@@ -11,11 +11,11 @@ from flexscale import checks
 from flexscale.checks import ANGLE, checked, function, length, series
 from flexscale.datasets.kinds.native_sheet import NATIVE_SHEET
 from flexscale.datasets.sheet_variables import build_sheet_dataset
+from flexscale.finite.native_sheet import NativeSheet, check_bends
 from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_model import NativeModel, native_model
-from flexscale.homogenize.native_sheet import NativeSheet, check_bends
 from flexscale.homogenize.sweep import SampleEvent, run_lines
 from flexscale.mesh.estimate import require_moderate_sheet
 from flexscale.patterns import Pattern

@@ -19,7 +19,7 @@ from flexscale.arrays import IntArray
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.errors import BadInputError
-from flexscale.homogenize.finite_sheet import FiniteSheet
+from flexscale.finite.finite_sheet import FiniteSheet
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.contact import ContactSurface

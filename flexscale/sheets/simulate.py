@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flexscale import checks
 from flexscale.checks import ANGLE, checked, length, number
-from flexscale.macro.bent_sheet import BentSheet, SheetOptions, bend_sheet
-from flexscale.macro.sheet_model import SheetModel
+from flexscale.sheets.bent_sheet import BentSheet, SheetOptions, bend_sheet
+from flexscale.sheets.sheet_model import SheetModel
 from flexscale.solve.solver_options import SolverOptions
 
 

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.errors import BadInputError
+from flexscale.finite.finite_sheet import FiniteSheet
 from flexscale.homogenize.cell_problem import BentCell, CellProblem
-from flexscale.homogenize.finite_sheet import FiniteSheet
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern

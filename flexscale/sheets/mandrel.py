@@ -14,18 +14,18 @@ from numpy.typing import ArrayLike
 from flexscale import checks
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.checks import checked, length, series
-from flexscale.macro.bent_sheet import TOLERANCE
-from flexscale.macro.conditions import Conditions
-from flexscale.macro.extrapolation import warn_beyond
-from flexscale.macro.load_path import LoadStep, follow_loads
-from flexscale.macro.rigs import RigOptions
-from flexscale.macro.rim import ANGLES, HUB, Rim
-from flexscale.macro.sheet import build_sheet
-from flexscale.macro.sheet_model import SheetModel
-from flexscale.macro.sheet_problem import SheetProblem
+from flexscale.mechanics.extrapolation import warn_beyond
 from flexscale.mechanics.load_series import finite_series
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mesh.sheet import SheetMesh
+from flexscale.sheets.bent_sheet import TOLERANCE
+from flexscale.sheets.conditions import Conditions
+from flexscale.sheets.load_path import LoadStep, follow_loads
+from flexscale.sheets.rigs import RigOptions
+from flexscale.sheets.rim import ANGLES, HUB, Rim
+from flexscale.sheets.sheet import build_sheet
+from flexscale.sheets.sheet_model import SheetModel
+from flexscale.sheets.sheet_problem import SheetProblem
 from flexscale.short_repr import ShortRepr
 from flexscale.sides import ONE_SIDE, side_sign
 from flexscale.solve.solver_options import SolverOptions

@@ -8,13 +8,13 @@ import numpy as np
 
 from flexscale.arrays import BoolArray, FloatArray
 from flexscale.errors import ConfigError, UnknownNameError, suggest
-from flexscale.macro.sheet_rows import ANGLE, SheetRows, linear_rows, smooth_rows
-from flexscale.macro.surfaces import Surface, plane
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.sheet_shell import SheetShell
 from flexscale.mechanics.sheet_triangles import SheetTriangles
 from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 from flexscale.mesh.sheet import SheetMesh
+from flexscale.sheets.sheet_rows import ANGLE, SheetRows, linear_rows, smooth_rows
+from flexscale.sheets.surfaces import Surface, plane
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,9 @@ from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding import pull_kernels as kernels
 from flexscale.embedding.pair_pattern import element_pattern, find_slots, number_pairs
 from flexscale.errors import BadInputError
-from flexscale.macro.conditions import Conditions
-from flexscale.macro.grips import Grip
 from flexscale.mechanics.energy import ALL, CONTACT, NOTHING, block_pairs, project_blocks
+from flexscale.sheets.conditions import Conditions
+from flexscale.sheets.grips import Grip
 from flexscale.solve.linear import build_factorization
 from flexscale.solve.unconstrained import UnconstrainedSystem
 

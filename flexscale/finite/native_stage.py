@@ -27,8 +27,8 @@ from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import N_FRAME, Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import GRADIENT, POSITION, Bend, place_images
+from flexscale.finite.finite_sheet import FiniteSheet
 from flexscale.homogenize.cell_problem import BentCell, CellState
-from flexscale.homogenize.finite_sheet import FiniteSheet
 from flexscale.homogenize.scale_modes import build_bodies
 from flexscale.mechanics.energy import NOTHING
 from flexscale.mesh.finite import strips

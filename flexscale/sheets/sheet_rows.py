@@ -15,9 +15,9 @@ import numpy as np
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import BadInputError
-from flexscale.macro.surfaces import Surface
 from flexscale.mechanics.edge_angles import EdgeStencils
 from flexscale.mesh.sheet import SheetMesh
+from flexscale.sheets.surfaces import Surface
 
 POSITION, DERIVATIVE, ANGLE = 0, 1, 2
 _PARALLEL = 1e-6  # sine of the angle up to which two directions count as one

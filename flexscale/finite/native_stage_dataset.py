@@ -14,11 +14,11 @@ from flexscale.checks import ANGLE, checked, function, length, series
 from flexscale.datasets.device_variables import build_rig_dataset
 from flexscale.datasets.kinds.native_rig import NATIVE_RIG
 from flexscale.datasets.kinds.sweep import NO_CONTACT_COMMENT
+from flexscale.finite.native_stage import NativeStage
+from flexscale.finite.stage_line import follow_shortenings
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.native_model import NativeModel, native_model
-from flexscale.homogenize.native_stage import NativeStage
-from flexscale.homogenize.stage_line import follow_shortenings
 from flexscale.mechanics.load_series import SHORTENINGS, require_shortenings
 from flexscale.mesh.estimate import require_moderate_sheet
 from flexscale.patterns import Pattern

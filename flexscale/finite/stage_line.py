@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from flexscale.arrays import FloatArray
+from flexscale.finite.native_stage import NativeStage
 from flexscale.homogenize.line import set_barrier
-from flexscale.homogenize.native_stage import NativeStage
 from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
 from flexscale.solve.solver_options import SolverOptions

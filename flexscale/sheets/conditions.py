@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import BadInputError
-from flexscale.macro.grips import Grip
-from flexscale.macro.sheet import Sheet
-from flexscale.macro.sheet_rows import DERIVATIVE, POSITION
+from flexscale.sheets.grips import Grip
+from flexscale.sheets.sheet import Sheet
+from flexscale.sheets.sheet_rows import DERIVATIVE, POSITION
 
 _UNIT = 1e-6  # by which the length of a unit of the parameters may differ from 1
 _COMPONENTS = {"x": 0, "y": 1, "z": 2}

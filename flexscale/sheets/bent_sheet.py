@@ -15,17 +15,17 @@ import numpy as np
 from flexscale.arrays import FloatArray
 from flexscale.checks import checked, choice, flag, length, number
 from flexscale.errors import BadInputError
-from flexscale.macro.conditions import Conditions
-from flexscale.macro.extrapolation import warn_beyond
-from flexscale.macro.grips import Grip, Sliding
-from flexscale.macro.sheet import Sheet, build_sheet
-from flexscale.macro.sheet_points import sheet_positions
-from flexscale.macro.sheet_problem import SheetProblem, SheetState
-from flexscale.macro.sheet_rows import POSITION
-from flexscale.macro.surfaces import cylinder
+from flexscale.mechanics.extrapolation import warn_beyond
 from flexscale.mechanics.sheet_law import SheetLaw
 from flexscale.mechanics.substrate_options import SUBSTRATE_ELEMENTS
 from flexscale.mesh.sheet import SheetMesh, rectangle
+from flexscale.sheets.conditions import Conditions
+from flexscale.sheets.grips import Grip, Sliding
+from flexscale.sheets.sheet import Sheet, build_sheet
+from flexscale.sheets.sheet_points import sheet_positions
+from flexscale.sheets.sheet_problem import SheetProblem, SheetState
+from flexscale.sheets.sheet_rows import POSITION
+from flexscale.sheets.surfaces import cylinder
 from flexscale.short_repr import ShortRepr
 from flexscale.solve.newton import solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions

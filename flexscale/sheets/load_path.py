@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.macro.sheet_problem import SheetProblem, SheetState
+from flexscale.sheets.sheet_problem import SheetProblem, SheetState
 from flexscale.solve.newton import Solution, solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus

@@ -1,0 +1,1 @@
+"""Sheets, strips and stages of the scales themselves: the native model without a period."""

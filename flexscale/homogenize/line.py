@@ -26,10 +26,10 @@ from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 _SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
-_SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
-_PATIENCE = 10  # iterations after which a step above that is hard
-_EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
-_TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
+_SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # halve steps above this share as soon as they get hard
+_PATIENCE = 10  # halve a step above that which takes more iterations
+_EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
+_TIGHT, _STIFFEN = 0.1, 8.0  # multiply the barrier where gaps fall below this share of d_hat
 
 _POINT = (
     "curvature",
@@ -80,7 +80,6 @@ class _Point:
     second_rate: FloatArray
     energy: float = 0.0
     moment: float = 0.0
-    contact_pairs: int = 0
 
     def allowed_energy(self, curvature: float) -> float:
         """Energy density that a good start at a curvature beyond this one does not exceed, N/mm.
@@ -202,9 +201,7 @@ def _next_point(
     if before is not None:
         second = (rate - before.rate) / (curvature - before.curvature)
     numbers = _energy_and_moment(problem, line, curvature, solution)
-    contact, y = problem.contact, solution.evaluation.world.y
-    pairs = 0 if contact is None else contact.active_pairs(y)
-    return _Point(curvature, solution.z, rate, second, *numbers, pairs)
+    return _Point(curvature, solution.z, rate, second, *numbers)
 
 
 def _energy_and_moment(

@@ -17,9 +17,17 @@ from flexscale.solve.newton import solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, multiply_upper, relative_error
-from tests.physics.cells import D, hexagon, hexagon_problem, square, square_problem
+from tests.physics.cells import (
+    MESHES,
+    D,
+    hexagon,
+    hexagon_problem,
+    square,
+    square_problem,
+)
 
-COARSE = fs.MeshOptions(
+#: Several layers of tets, as fewer modes would have nothing to leave out.
+LAYERED = fs.MeshOptions(
     across=2, corner=0.25, growth=1.6, scale_rim=0.45, scale_strips=1, scale_growth=3.0,
     scale_layers=3, layer_growth=3.0,
 )  # fmt: skip
@@ -51,7 +59,7 @@ def test_derivatives_of_the_bent_cell(make, scales):
     # Contact has tests of its own: a random state would press scales together.
     contact = fs.ContactOptions(enabled=False)
     problem = CellProblem.from_pattern(
-        make(), fs.NativeModel(contact=contact, scales=fs.ScaleOptions(scales), mesh=COARSE)
+        make(), fs.NativeModel(contact=contact, scales=fs.ScaleOptions(scales), mesh=LAYERED)
     )
     generator = np.random.default_rng(4)
     rest = problem.embedding.rest
@@ -80,10 +88,12 @@ def test_derivatives_of_the_bent_cell(make, scales):
 
 
 @pytest.mark.parametrize("degrees", [0.0, 20.0, 45.0])
-def test_tangent_is_the_initial_slope_of_a_sweep(degrees):
+@pytest.mark.parametrize("mesh", MESHES)
+def test_tangent_is_the_initial_slope_of_a_sweep(mesh, degrees):
     """M / kappa at 1e-4 mm-1 within 0.1 % of C : nnnn (real moduli)."""
-    tangent = solve_tangent(square_problem())
-    (sample,) = follow_line(square_problem(), Line("closing", degrees, (1e-4,)), SolverOptions())
+    problem = square_problem(mesh)
+    tangent = solve_tangent(problem)
+    (sample,) = follow_line(problem, Line("closing", degrees, (1e-4,)), SolverOptions())
     slope = sample["moment"] / 1e-4
     assert slope == pytest.approx(tangent.stiffness(degrees), rel=1e-3)
 
@@ -98,9 +108,10 @@ def test_small_curvature_is_solved_as_accurately():
     )
 
 
-def test_moment_is_the_derivative_of_the_energy_curve():
+@pytest.mark.parametrize("mesh", MESHES)
+def test_moment_is_the_derivative_of_the_energy_curve(mesh):
     """Envelope theorem: M = dE/dkappa along equilibria, without differentiating the state."""
-    problem, kappa = square_problem(), 0.01
+    problem, kappa = square_problem(mesh), 0.01
     (sample,) = follow_line(problem, Line("closing", 30.0, (kappa,)), SolverOptions())
 
     def energy(h):
@@ -113,9 +124,10 @@ def test_moment_is_the_derivative_of_the_energy_curve():
 
 
 @pytest.mark.parametrize("degrees", [0.0, 30.0])
-def test_opening_and_closing_part_at_second_order(degrees):
+@pytest.mark.parametrize("mesh", MESHES)
+def test_opening_and_closing_part_at_second_order(mesh, degrees):
     """Both sides have one slope; their moments differ by O(kappa^2), a factor 4 for 2 kappa."""
-    problem = hexagon_problem()
+    problem = hexagon_problem(mesh)
     moments = []
     for side in ("closing", "opening"):
         samples = follow_line(problem, Line(side, degrees, (0.001, 0.002)), SolverOptions())
@@ -150,9 +162,11 @@ def test_the_constraint_holds_and_does_no_work_at_small_curvature():
     assert solution.negative_eigenvalues == 0
 
 
-def test_sweep_has_the_symmetry_of_squares():
+@pytest.mark.parametrize("mesh", MESHES)
+def test_sweep_has_the_symmetry_of_squares(mesh):
     """Directions 30 and 60 degree are mirror images, 20 and 110 degree quarter turns."""
-    data = fs.sweep(square(), [20.0, 30.0, 60.0, 110.0], [0.004, 0.008], workers=1)
+    model = fs.NativeModel(mesh=mesh)
+    data = fs.sweep(square(), [20.0, 30.0, 60.0, 110.0], [0.004, 0.008], workers=1, model=model)
     moment = data.moment
     assert moment.sel(direction=30.0).values == pytest.approx(
         moment.sel(direction=60.0).values, rel=1e-8
@@ -162,6 +176,8 @@ def test_sweep_has_the_symmetry_of_squares():
     )
 
 
-def test_sweep_has_the_symmetry_of_hexagons():
-    data = fs.sweep(hexagon(), [10.0, 50.0, 70.0], [0.008], ["opening"], workers=1)
+@pytest.mark.parametrize("mesh", MESHES)
+def test_sweep_has_the_symmetry_of_hexagons(mesh):
+    model = fs.NativeModel(mesh=mesh)
+    data = fs.sweep(hexagon(), [10.0, 50.0, 70.0], [0.008], ["opening"], workers=1, model=model)
     assert data.moment.values.ravel() == pytest.approx([float(data.moment[0, 0, 0])] * 3, rel=1e-8)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,17 @@ from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
-from tests.physics.cells import FINE, RIGID, D, hexagon, hexagon_problem, square, square_problem
+from tests.physics.cells import (
+    FINE,
+    MESHES,
+    RIGID,
+    D,
+    few_tets,
+    hexagon,
+    hexagon_problem,
+    square,
+    square_problem,
+)
 
 OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
 
@@ -23,13 +35,20 @@ def test_bare_sheet_is_an_isotropic_plate():
     assert solve_tangent(problem).matrix == pytest.approx(expected, abs=1e-9 * D)
 
 
-def test_squares_along_a_side_are_hinges():
+@cache
+def rigid_tangent(make, mesh):
+    """Of a pattern with rigid scales."""
+    return fs.tangent_stiffness(make(scale_material=RIGID), model=fs.NativeModel(mesh=mesh))
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_squares_along_a_side_are_hinges(mesh):
     """a = D P / g: each gap of width g turns by kappa P. 2 %: the gap's ends are not a strip.
 
     PETG gives way a little under the edges of the strips.
     """
-    rigid = fs.tangent_stiffness(square(scale_material=RIGID)).stiffness(0.0)
-    real = solve_tangent(square_problem()).stiffness(0.0)
+    rigid = rigid_tangent(square, mesh).stiffness(0.0)
+    real = solve_tangent(square_problem(mesh)).stiffness(0.0)
     assert rigid == pytest.approx(24.8 * D, rel=0.02)
     assert real == pytest.approx(24.8 * D, rel=0.02)
     assert real < rigid
@@ -38,33 +57,41 @@ def test_squares_along_a_side_are_hinges():
 # Mesh-converged, bracketed by C1 elements from above and edge-angle elements from below.
 REFERENCES = [(square, 45.0, 7.57e3), (hexagon, 20.0, 1.602e3)]
 
+# The sheets of the default and of the fine mesh, under few tets, and as they are.
+SHEETS = [
+    pytest.param(few_tets, id="few tets"),
+    pytest.param(lambda mesh: mesh, marks=pytest.mark.slow, id="whole mesh"),
+]
+
 
 @pytest.mark.parametrize(("pattern", "direction", "reference"), REFERENCES)
 @pytest.mark.parametrize(("mesh", "tolerance"), [(fs.MeshOptions(), 0.03), (FINE, 0.01)])
-def test_rigid_scales_meet_the_converged_stiffness(pattern, direction, reference, mesh, tolerance):
-    tangent = fs.tangent_stiffness(pattern(scale_material=RIGID), model=fs.NativeModel(mesh=mesh))
+@pytest.mark.parametrize("sheet", SHEETS)
+def test_rigid_scales_meet_the_converged_stiffness(
+    pattern, direction, reference, mesh, tolerance, sheet
+):
+    tangent = rigid_tangent(pattern, sheet(mesh))
     assert tangent.stiffness(direction) == pytest.approx(reference * D, rel=tolerance)
 
 
-def test_conforming_elements_converge_from_above():
+@pytest.mark.parametrize("sheet", SHEETS)
+def test_conforming_elements_converge_from_above(sheet):
     """C1 trial spaces are too stiff, and less so on the finer mesh."""
-    values = [
-        fs.tangent_stiffness(
-            square(scale_material=RIGID), model=fs.NativeModel(mesh=mesh)
-        ).stiffness(45.0)
-        for mesh in (fs.MeshOptions(), FINE)
-    ]
+    meshes = (fs.MeshOptions(), FINE)
+    values = [rigid_tangent(square, sheet(mesh)).stiffness(45.0) for mesh in meshes]
     assert 7.57e3 * D < values[1] < values[0]
 
 
-def test_hexagons_are_isotropic_at_rest():
+@pytest.mark.parametrize("mesh", MESHES)
+def test_hexagons_are_isotropic_at_rest(mesh):
     """Six-fold symmetry makes a fourth-order tensor isotropic: to rounding on a symmetric mesh."""
-    a = solve_tangent(hexagon_problem()).stiffness(np.arange(0.0, 180.0, 1.0))
+    a = solve_tangent(hexagon_problem(mesh)).stiffness(np.arange(0.0, 180.0, 1.0))
     assert np.ptp(a) < 1e-6 * a.mean()
 
 
-def test_squares_have_the_square_symmetry_at_rest():
-    tangent = solve_tangent(square_problem())
+@pytest.mark.parametrize("mesh", MESHES)
+def test_squares_have_the_square_symmetry_at_rest(mesh):
+    tangent = solve_tangent(square_problem(mesh))
     directions = np.arange(0.0, 90.0, 5.0)
     assert tangent.stiffness(directions) == pytest.approx(
         tangent.stiffness(directions + 90.0), rel=1e-9

@@ -101,7 +101,7 @@ def test_predicted_onset_of_squares():
 
 
 ONSETS = [
-    (square, 0.0),
+    pytest.param(square, 0.0, marks=pytest.mark.slow),
     (hexagon, 15.0),
     pytest.param(hexagon, 0.0, marks=pytest.mark.slow),
     pytest.param(hexagon, 30.0, marks=pytest.mark.slow),

@@ -20,7 +20,7 @@ from flexscale.solve.newton import solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 from tests.derivatives import directional_difference, multiply_upper, relative_error
-from tests.physics.cells import RIGID, D, hexagon, square
+from tests.physics.cells import COARSE, RIGID, D, few_tets, hexagon, square
 
 OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
 NU = fs.TPU.poisson_ratio
@@ -31,12 +31,12 @@ AVERAGED = fs.SubstrateOptions("averaged_normals")
 
 @pytest.fixture(scope="module")
 def cell():
-    """The default cell of the pattern that `make` builds, each set up once."""
+    """A coarse cell of the pattern that `make` builds, each set up once."""
     # Without contact, which has tests of its own: random states would press scales together.
     contact = fs.ContactOptions(enabled=False)
     return cache(
         lambda make, options: CellProblem.from_pattern(
-            make(), fs.NativeModel(contact=contact, substrate=options)
+            make(), fs.NativeModel(contact=contact, substrate=options, mesh=COARSE)
         )
     )
 
@@ -115,7 +115,7 @@ def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
 
 
-@pytest.mark.parametrize("make", [square, hexagon])
+@pytest.mark.parametrize("make", [square, pytest.param(hexagon, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("options", [EDGE_ANGLE, AVERAGED])
 def test_derivatives_of_the_bent_cell(cell, make, options):
     """Gradient, unprojected Hessian, moment and load rate at a random state, in all unknowns."""
@@ -147,7 +147,8 @@ def test_derivatives_of_the_bent_cell(cell, make, options):
 def test_edge_angles_make_exact_hinges():
     """Rigid squares along a side, a = D P / g: one smooth bend across each gap, 2 % as for C1."""
     tangent = fs.tangent_stiffness(
-        square(scale_material=RIGID), model=fs.NativeModel(substrate=EDGE_ANGLE)
+        square(scale_material=RIGID),
+        model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()), substrate=EDGE_ANGLE),
     )
     assert tangent.stiffness(0.0) == pytest.approx(24.8 * D, rel=0.02)
 
@@ -155,12 +156,16 @@ def test_edge_angles_make_exact_hinges():
 def test_averaged_normals_halve_a_hinge():
     """Zigzags of the faces' normals cost nothing but what the rims under the scales do."""
     tangent = fs.tangent_stiffness(
-        square(scale_material=RIGID), model=fs.NativeModel(substrate=AVERAGED)
+        square(scale_material=RIGID),
+        model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()), substrate=AVERAGED),
     )
     assert 0.3 < tangent.stiffness(0.0) / (24.8 * D) < 0.7
 
 
-@pytest.mark.parametrize(("make", "direction"), [(square, 45.0), (hexagon, 20.0)])
+@pytest.mark.parametrize(
+    ("make", "direction"),
+    [(square, 45.0), pytest.param(hexagon, 20.0, marks=pytest.mark.slow)],
+)
 def test_edge_angles_converge_from_below(make, direction):
     """S-shaped strips: C1 from above, edge angles from below; together they bracket the truth."""
     found = []
@@ -172,7 +177,9 @@ def test_edge_angles_converge_from_below(make, direction):
         found.append(
             fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=mesh, substrate=EDGE_ANGLE))
         )
-    smooth = fs.tangent_stiffness(make(scale_material=RIGID))
+    smooth = fs.tangent_stiffness(
+        make(scale_material=RIGID), model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()))
+    )
     a = [tangent.stiffness(direction) for tangent in [*found, smooth]]
     assert a == sorted(a)
     assert a[0] < 0.4 * a[3]
@@ -195,7 +202,7 @@ def test_tangent_is_the_initial_slope_of_a_sweep(cell, degrees):
 
 SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
 SLANTED = np.array([[0.0, 0.0], [11.0, 0.0], [13.0, 8.0], [2.0, 8.0]])
-COARSE = fs.MeshOptions(along=2.5, corner=0.4, scale_size=4.0, scale_layers=1)
+ONE_LAYER = fs.MeshOptions(along=2.5, corner=0.4, scale_size=4.0, scale_layers=1)
 
 
 def moments(pattern: fs.Pattern, direction: float = 25.0) -> np.ndarray:
@@ -205,7 +212,7 @@ def moments(pattern: fs.Pattern, direction: float = 25.0) -> np.ndarray:
         [direction],
         [0.0, 0.008],
         workers=1,
-        model=fs.NativeModel(mesh=COARSE, substrate=EDGE_ANGLE),
+        model=fs.NativeModel(mesh=ONE_LAYER, substrate=EDGE_ANGLE),
     )
     assert (data.status == 0).all()
     return data.moment.values[:, 0, 1]

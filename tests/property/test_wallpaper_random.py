@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 from flexscale.tilings import Family, Tiling, families
 from flexscale.tilings.bravais import multiply, reduced_lattice
 from flexscale.tilings.drawn_symmetry import drawn_symmetry, primitive_cell
+from tests.sampling import every
 from tests.unit.drawn_tilings import DRAWN
 from tests.unit.wallpaper_samples import AXES, GENERATORS, orbit_tiling
 
-FEW = settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
+MANY = settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
+FEW = settings(MANY, max_examples=3)
 #: Where the curve of an edge has its points; of S and U edges its first half.
 CURVE_X = {"J": (0.0, 0.3, 0.6, 1.0), "S": (0.0, 0.2, 0.33, 0.5), "U": (0.0, 0.2, 0.33, 0.5)}
 SEEDS = st.integers(0, 2**32 - 1)
@@ -49,10 +51,7 @@ def given_otherwise(tiles, lattice, cell, rng):
     return [drawn[k] for k in order], wide @ lattice, lattice, angle
 
 
-@pytest.mark.parametrize("group", GENERATORS)
-@FEW
-@given(SEEDS, CELLS)
-def test_however_given(group: str, seed: int, cell: list[int]) -> None:
+def check_however_given(group: str, seed: int, cell: list[int]) -> None:
     rng = np.random.default_rng(seed)
     tiles, lattice = orbit_tiling(group, rng.random((3, 2)))
     centerings = 2 if group in ("cm", "cmm") else 1
@@ -78,10 +77,22 @@ def test_however_given(group: str, seed: int, cell: list[int]) -> None:
     assert np.allclose(again.primitive_lattice, symmetry.primitive_lattice)
 
 
-@pytest.mark.parametrize("family", families(), ids=lambda family: family.name)
-@settings(FEW, max_examples=3)
-@given(SEEDS)
-def test_generic_tiles_show_the_group_of_their_type(family: Family, seed: int) -> None:
+@pytest.mark.parametrize("group", GENERATORS)
+@FEW
+@given(SEEDS, CELLS)
+def test_however_given(group: str, seed: int, cell: list[int]) -> None:
+    check_however_given(group, seed, cell)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("group", GENERATORS)
+@MANY
+@given(SEEDS, CELLS)
+def test_however_given_many_times(group: str, seed: int, cell: list[int]) -> None:
+    check_however_given(group, seed, cell)
+
+
+def check_generic_tiles(family: Family, seed: int) -> None:
     """Random shapes and curves leave 81 types just their own group, and the 12 others more."""
     rng = np.random.default_rng(seed)
     curves = {
@@ -103,6 +114,21 @@ def test_generic_tiles_show_the_group_of_their_type(family: Family, seed: int) -
         # An aspect may map the tile by another of its own symmetries: then it is no translate.
         if family.stabiliser == "c1" and as_typed:
             assert np.allclose(steps, np.rint(steps), atol=1e-6)
+
+
+@pytest.mark.parametrize("family", every(4, families()), ids=lambda family: family.name)
+@settings(FEW, max_examples=1)
+@given(SEEDS)
+def test_generic_tiles_show_the_group_of_their_type(family: Family, seed: int) -> None:
+    check_generic_tiles(family, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", families(), ids=lambda family: family.name)
+@settings(MANY, max_examples=10)
+@given(SEEDS)
+def test_many_generic_tiles_show_the_group_of_their_type(family: Family, seed: int) -> None:
+    check_generic_tiles(family, seed)
 
 
 @pytest.mark.parametrize("name", DRAWN)

@@ -14,6 +14,9 @@ from flexscale import checks
 from flexscale.errors import BadInputError, FlexScaleError, UnitRangeError, UnknownNameError
 
 SIDES = ("closing", "opening")
+COARSE = fs.NativeModel(
+    mesh=fs.MeshOptions(along=4, corner=1, scale_size=10, scale_layers=1, scale_order=1, across=2)
+)
 
 
 @checks.checked(
@@ -96,7 +99,7 @@ WRONG: dict[str, tuple[Any, dict[str, Any]]] = {
     "native sheet": (fs.simulate_native_sheet, {"length": "60", "width": 3, "curvatures": 0}),
     "native stage": (fs.simulate_native_stage, {"length": 60, "width": np.inf}),
     "gap model": (fs.gap_model, {"w_biaxial": -1.0}),
-    "gap model: sweep": (fs.gap_model, {"sweep": xr.Dataset()}),
+    "gap model: sweep": (fs.gap_model, {"sweep": xr.Dataset(), "model": COARSE}),
 }
 
 
@@ -143,12 +146,7 @@ def test_tilings(family: Any, arguments: dict[str, Any]) -> None:
 
 
 def test_curvatures_and_directions_go_together() -> None:
-    model = fs.gap_model(
-        fs.named_pattern("square"),
-        model=fs.NativeModel(
-            mesh=fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2)
-        ),
-    )
+    model = fs.gap_model(fs.named_pattern("square"), model=COARSE)
     assert model.moment([0.001, 0.002], [[0.0], [45.0]]).shape == (2, 2)
     with pytest.raises(UnitRangeError, match=r"shape \(2,\) and directions of shape \(3,\)"):
         model.moment([0.001, 0.002], [0.0, 1.0, 2.0])

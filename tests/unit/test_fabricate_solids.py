@@ -16,6 +16,7 @@ from flexscale.fabricate.solids import section, without_needles
 from flexscale.fabricate.stl import stl_bytes
 from flexscale.fabricate.walls import GRID, smallest_wall
 from flexscale.tilings.families import find_family
+from tests.sampling import every
 from tests.unit.printable_checks import (
     crosses_itself,
     level,
@@ -34,7 +35,7 @@ def surfaces(sheet: PrintableSheet) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", every(3, NAMES))
 def test_every_pattern_makes_sound_solids(name: str, shape: Rectangle | Disc) -> None:
     sheet = printable_sheet(fs.named_pattern(name), shape, layout=Layout(direction=20.0))
     expected = sheet.expected_volumes()
@@ -47,7 +48,7 @@ def test_every_pattern_makes_sound_solids(name: str, shape: Rectangle | Disc) ->
         assert np.array_equal(on_grid, np.rint(on_grid))
 
 
-@pytest.mark.parametrize("name", ["hexagon", "arrowhead", "fish_scale"])
+@pytest.mark.parametrize("name", every(3, ["hexagon", "arrowhead", "fish_scale"]))
 def test_walls_and_gaps_of_the_solids_can_be_printed(name: str) -> None:
     grooves = Grooves(width=0.6, pitch=1.1, depth=0.2)
     sheet = printable_sheet(fs.named_pattern(name), SHAPES[0], grooves=grooves)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,14 @@ from flexscale.mesh import Bonds, MeshOptions, PeriodicMesh, build_bonds, build_
 from tests.unit.pattern_shapes import SHAPES
 
 RADIUS = 0.4
+#: Bonds are of sheet points to the bases of scales: one layer of tets is enough.
+FLAT = MeshOptions(scale_layers=1)
+
+
+@cache
+def mesh_of(name: str, order: int = 2) -> PeriodicMesh:
+    """Mesh of a shape with the default base, built once."""
+    return build_mesh(SHAPES[name][0], replace(FLAT, scale_order=order))
 
 
 def outline(mesh: PeriodicMesh) -> np.ndarray:
@@ -27,7 +38,7 @@ def apply(bonds: Bonds, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", list(SHAPES))
 def test_linear_fields_are_reproduced(name: str, order: int) -> None:
-    mesh = build_mesh(SHAPES[name][0], MeshOptions(scale_order=order))
+    mesh = mesh_of(name, order)
     carried = np.flatnonzero(mesh.vertex_scale >= 0)
     points, scales = mesh.positions[carried], mesh.vertex_scale[carried]
     radius = np.where(np.isin(carried, outline(mesh)), RADIUS, 0.0)
@@ -41,7 +52,7 @@ def test_linear_fields_are_reproduced(name: str, order: int) -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_gradient_at_a_base_vertex_is_the_mean_over_its_triangles(order: int) -> None:
-    mesh = build_mesh(SHAPES["square"][0], MeshOptions(scale_order=order))
+    mesh = mesh_of("square", order)
     kink = int(
         np.flatnonzero(np.linalg.norm(mesh.scale_positions - [4.8, 4.8, 0], axis=1) < 1e-9)[0]
     )
@@ -63,7 +74,7 @@ def _gradient(corners: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_small_radius_tends_to_the_point(order: int) -> None:
-    mesh = build_mesh(SHAPES["hexagon"][0], MeshOptions(scale_order=order))
+    mesh = mesh_of("hexagon", order)
     chosen = np.flatnonzero(mesh.vertex_kind == 1)
     corners = mesh.scale_positions[mesh.base_triangles[:, :3], :2].reshape(-1, 2)
     apart = np.linalg.norm(mesh.positions[chosen, None] - corners, axis=2).min(axis=1)
@@ -85,7 +96,7 @@ def test_small_radius_tends_to_the_point(order: int) -> None:
 
 def test_fit_of_a_parabola() -> None:
     """Over a whole disc the best plane for x^2 lies b^2 / 8 above it: the weighted mean of x^2."""
-    mesh = build_mesh(SHAPES["square"][0])
+    mesh = mesh_of("square")
     point = np.array([0.7, -0.4])
     bonds = build_bonds(mesh, point[None], np.array([0]), RADIUS)
     value, slope = apply(bonds, (mesh.scale_positions[:, 0] - point[0]) ** 2)
@@ -98,7 +109,7 @@ def test_fit_of_a_parabola_at_a_straight_outline() -> None:
 
     With m_k the integral of w y^k, (X0, G) solve m_0 X0 + m_1 G = m_2, m_1 X0 + m_2 G = m_3.
     """
-    mesh = build_mesh(SHAPES["square"][0])
+    mesh = mesh_of("square")
     bonds = build_bonds(mesh, np.array([[-4.8, 1.1]]), np.array([0]), RADIUS)
     value, slope = apply(bonds, (mesh.scale_positions[:, 0] + 4.8) ** 2)
     radial = [1 / (k + 2) - 2 / (k + 4) + 1 / (k + 6) for k in range(4)]
@@ -114,7 +125,7 @@ def test_fit_of_a_parabola_at_a_straight_outline() -> None:
 def test_spread_bonds_have_the_symmetry_of_the_tile(name: str) -> None:
     """A field carried to the tile by a symmetry has there the value and gradient of its image."""
     pattern = SHAPES[name][0]
-    mesh = build_mesh(pattern)
+    mesh = mesh_of(name)
     assert np.array_equal(pattern.copies[0].placement.linear, np.eye(2))
     shift = pattern.copies[0].placement.translation
     own = outline(mesh)[mesh.vertex_scale[outline(mesh)] == 0]
@@ -135,13 +146,13 @@ def test_spread_bonds_have_the_symmetry_of_the_tile(name: str) -> None:
 
 
 def test_point_outside_its_scale_is_refused() -> None:
-    mesh = build_mesh(SHAPES["square"][0])
+    mesh = mesh_of("square")
     for radius in (0.0, RADIUS):
         with pytest.raises(MeshError, match=r"\(4.9, 0\) mm does not lie under scale 0"):
             build_bonds(mesh, np.array([[4.9, 0.0]]), np.array([0]), radius)
 
 
 def test_no_points() -> None:
-    bonds = build_bonds(build_mesh(SHAPES["square"][0]), np.zeros((0, 2)), np.zeros(0, dtype=int))
+    bonds = build_bonds(mesh_of("square"), np.zeros((0, 2)), np.zeros(0, dtype=int))
     assert bonds.indptr.tolist() == [0]
     assert bonds.gradients.shape == (0, 2)

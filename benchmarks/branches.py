@@ -43,10 +43,24 @@ def admissible(problem: CellProblem, line: Line, curvature: float, z: FloatArray
     """z with the scales moved apart along the bend until none cut through one another."""
     bend = line.bend(curvature)
     for room in (0.0, 0.01, 0.02, 0.04, 0.08):
-        apart = problem.embedding.stretched(z, bend.direction, room)
+        apart = stretched(problem, z, bend.direction, room)
         if not cut(problem, line, curvature, apart):
             return apart
     return z
+
+
+def stretched(problem: CellProblem, z: FloatArray, direction: float, strain: float) -> FloatArray:
+    """z with all scales and the sheet between them moved apart along a direction [rad]."""
+    cell, inner = problem.embedding, problem.embedding.inner
+    n, out = np.array([np.cos(direction), np.sin(direction)]), z.copy()
+    out[-3:] += strain * np.array([n[0] * n[0], n[1] * n[1], n[0] * n[1]])
+    free = inner.vertex_node[inner.vertex_node >= 0] - 3 * inner.n_nodes
+    starts = cell.world_map.starts
+    nodes = np.concatenate([starts[:-1], free + starts[-1]])
+    along = z[nodes] * n[0] + z[nodes + 1] * n[1]
+    out[nodes] += strain * n[0] * along
+    out[nodes + 1] += strain * n[1] * along
+    return out
 
 
 def cut(problem: CellProblem, line: Line, curvature: float, z: FloatArray) -> bool:

@@ -48,17 +48,6 @@ class BodyCell:
         self.mean_offset = self.world_map.join(offset, inner.mean_offset)
         self.shift_mode = self.world_map.join(shift, inner.shift_mode)
 
-    def stretched(self, z: FloatArray, direction: float, strain: float) -> FloatArray:
-        """z with all scales and the sheet between them moved apart along a direction [rad]."""
-        n = np.array([np.cos(direction), np.sin(direction)])
-        out = self.inner.stretched_lattice(z, n, strain)
-        free = self.inner.vertex_node[self.inner.vertex_node >= 0] - 3 * self.inner.n_nodes
-        nodes = np.concatenate([self.world_map.starts[:-1], free + self.world_map.starts[-1]])
-        along = z[nodes] * n[0] + z[nodes + 1] * n[1]
-        out[nodes] += strain * n[0] * along
-        out[nodes + 1] += strain * n[1] * along
-        return out
-
     def scale_positions(self, z: FloatArray, bend: Bend) -> FloatArray:
         """(n_scale_vertices, 3) of the home scales in the world, mm."""
         frames = self.world_map.place_bodies(z, bend).frames

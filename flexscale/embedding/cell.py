@@ -197,17 +197,6 @@ class CellEmbedding(ABC):
         zero = np.zeros_like(values)
         return rows.add(key, terms, np.stack([values, zero, zero], axis=1))
 
-    @staticmethod
-    def stretched_lattice(z: FloatArray, n: FloatArray, strain: float) -> FloatArray:
-        """A copy of z whose S has one more strain along the unit vector n (2,)."""
-        out = z.copy()
-        out[-3:] += strain * np.array([n[0] * n[0], n[1] * n[1], n[0] * n[1]])
-        return out
-
-    def stretched(self, z: FloatArray, direction: float, strain: float) -> FloatArray:
-        """z as it is: in curvilinear coordinates all vertices turn with the cylinder."""
-        return z
-
     def vertex_shares(self) -> FloatArray:
         """(n_vertices,) share of the midsurface that belongs to each substrate vertex."""
         areas = self.mesh.triangle_areas()

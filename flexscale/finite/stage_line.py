@@ -14,21 +14,20 @@ from typing import Any
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.finite.native_stage import NativeStage
+from flexscale.finite.native_stage import CarriedSheet, NativeStage
 from flexscale.homogenize.line import set_barrier
 from flexscale.sides import SIDE_SIGNS
-from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
+from flexscale.solve.continuation import Stepping, advance
+from flexscale.solve.newton import Solution, solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
-_SMALLEST_STEP = 1.0 / 64.0  # of the way between two samples
-_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
-_PATIENCE = 12  # iterations after which a step above that is hard
-_EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
+_STEPPING = Stepping(smallest=1.0 / 64.0, patience=12)
+_EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
 _ARCS = 8  # times that the first shortening is quartered until scales are clear of one another
 
 #: Of a sample: what a `_Point` keeps, in its order.
-_POINT = ("shortening", "state", "rate", "second_rate", "energy", "force", "contact_pairs")
+_POINT = ("shortening", "state", "rate", "second_rate", "energy", "force")
 
 
 @dataclass
@@ -45,7 +44,11 @@ class _Point:
     second_rate: FloatArray
     energy: float
     force: float
-    contact_pairs: int
+
+    @property
+    def parameter(self) -> float:
+        """Where on the path it lies."""
+        return self.shortening
 
     @property
     def root_rate(self) -> FloatArray:
@@ -61,6 +64,25 @@ class _Point:
         straight = self.z + (shortening - self.shortening) * self.rate
         span = np.sqrt(shortening) - np.sqrt(self.shortening)
         return [self.z + span * self.root_rate + 0.5 * span**2 * self.second_rate, straight]
+
+
+@dataclass(frozen=True)
+class _Shortening:
+    """The shortening of a strip as a path of the continuation."""
+
+    stage: NativeStage
+
+    def objective(self, shortening: float) -> CarriedSheet:
+        return self.stage.carried(shortening, self.stage.hard)
+
+    def predict(self, point: _Point, shortening: float) -> FloatArray | None:
+        return _predict(self.stage, point, shortening)
+
+    def fall_back(self, point: _Point, shortening: float) -> FloatArray:
+        return self.stage.moved(point.z, shortening)
+
+    def next_point(self, before: _Point | None, shortening: float, solution: Solution) -> _Point:
+        return _next_point(self.stage, before, shortening, solution)
 
 
 def follow_shortenings(
@@ -122,8 +144,8 @@ def _reach(
         point = _next_point(stage, None, first, solution)
         if first == shortening:
             return point, solution, spent
-    point, solution, iterations = _advance(stage, point, shortening, options)
-    return point, solution, spent + iterations
+    arrival = advance(_Shortening(stage), point, shortening, options, _STEPPING)
+    return arrival.point, arrival.solution, spent + arrival.effort.iterations
 
 
 def _clear_arc(stage: NativeStage, shortening: float, sign: float) -> tuple[float, FloatArray]:
@@ -148,11 +170,8 @@ def _next_point(
 ) -> _Point:
     state = solution.evaluation
     rate = stage.carried(shortening, stage.hard).rate(state)
-    contact = stage.contact
-    pairs = 0 if contact is None else contact.active_pairs(state.world.y)
     energy = float(state.parts.sum())
-    numbers = (energy, stage.force(state), pairs)
-    point = _Point(shortening, solution.z, rate, np.zeros_like(rate), *numbers)
+    point = _Point(shortening, solution.z, rate, np.zeros_like(rate), energy, stage.force(state))
     root, slope = np.sqrt(shortening), point.root_rate
     if before is None:  # the parabola that starts flat
         moved = solution.z - stage.embedding.rest
@@ -160,37 +179,6 @@ def _next_point(
     else:
         point.second_rate = (slope - before.root_rate) / (root - np.sqrt(before.shortening))
     return point
-
-
-def _advance(
-    stage: NativeStage, point: _Point, shortening: float, options: SolverOptions
-) -> tuple[_Point, Solution, int]:
-    """Continue from `point` to a shortening, in smaller steps where needed."""
-    start, span = point.shortening, shortening - point.shortening
-    done, share, spent = 0.0, 1.0, 0
-    while True:
-        share = min(share, 1.0 - done)
-        target = shortening if done + share >= 1.0 else start + (done + share) * span
-        start_of_step = _predict(stage, point, target)
-        if start_of_step is None:
-            share *= 0.5
-            if share >= _SMALLEST_STEP:
-                continue
-            start_of_step = stage.moved(point.z, target)
-        patience = _PATIENCE if share > _CAUTIOUS_STEP else options.max_iterations
-        carried = stage.carried(target, stage.hard)
-        solution = solve_within(carried, start_of_step, patience, options)
-        spent += solution.iterations
-        if solution.status == SolveStatus.converged:
-            point = _next_point(stage, point, target, solution)
-            done += share
-            share *= 2.0
-            if target == shortening:
-                return point, solution, spent
-        else:
-            share *= 0.5
-            if share < _SMALLEST_STEP or options.out_of_time:
-                return point, solution.given_up(options), spent
 
 
 def _predict(stage: NativeStage, point: _Point, target: float) -> FloatArray | None:
@@ -225,8 +213,10 @@ def _measure(stage: NativeStage, point: _Point, solution: Solution, sign: float)
         "residual_norm": solution.residual_norm,
         "negative_eigenvalues": solution.negative_eigenvalues,
     }
+    numbers["contact_pairs"] = 0
     if stage.contact is not None:
         y = state.world.y
+        numbers["contact_pairs"] = stage.contact.active_pairs(y)
         numbers["min_gap"] = stage.contact.smallest_distance(y, 2.0 * stage.model.gap)
         numbers["contact_force"] = stage.contact.force(y)
         numbers["barrier_stiffness"] = stage.contact.stiffness

@@ -17,19 +17,18 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem, CellState
+from flexscale.homogenize.cell_problem import BentCell, CellProblem, CellState
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.sides import SIDE_SIGNS
-from flexscale.solve.newton import Solution, solve_equilibrium, solve_within
+from flexscale.solve.continuation import Effort, Stepping, advance
+from flexscale.solve.newton import Solution, solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
-_SMALLEST_STEP = 1.0 / 256.0  # of the way between two samples
-_SMALLEST_CAUTIOUS_STEP = 1.0 / 4.0  # down to which a step that looks or gets hard is halved
-_PATIENCE = 10  # iterations after which a step above that is hard
-_EXCESS = 2.0  # of the energy to be expected at the end of a step, that its start may have
-_TIGHT, _STIFFEN = 0.1, 8.0  # closer than this share of d_hat, the barrier is made stiffer so much
+_STEPPING = Stepping(smallest=1.0 / 256.0)
+_EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
+_TIGHT, _STIFFEN = 0.1, 8.0  # multiply the barrier where gaps fall below this share of d_hat
 
 _POINT = (
     "curvature",
@@ -80,7 +79,11 @@ class _Point:
     second_rate: FloatArray
     energy: float = 0.0
     moment: float = 0.0
-    contact_pairs: int = 0
+
+    @property
+    def parameter(self) -> float:
+        """Where on the line it lies."""
+        return self.curvature
 
     def allowed_energy(self, curvature: float) -> float:
         """Energy density that a good start at a curvature beyond this one does not exceed, N/mm.
@@ -130,19 +133,21 @@ def follow_line(
         problem.fit_room(point.z, line.bend(point.curvature))
         if not len(point.rate):
             point, solution = _start(problem, line)
-        before, way = point, _Way(1)
+        before, effort = point, Effort(1)
         if curvature > 0.0:
-            point, solution, way = _advance(problem, line, point, curvature, options)
+            path = _Bending(problem, line)
+            arrival = advance(path, point, curvature, options, _STEPPING)
+            point, solution, effort = arrival.point, arrival.solution, arrival.effort
         status = solution.status
         sample = {
             "curvature": curvature,
             "status": int(status),
-            "newton_iterations": way.iterations,
+            "newton_iterations": effort.iterations,
         }
         if status == SolveStatus.converged:
             sample |= _measure(problem, line, curvature, solution)
             sample |= {"state": point.z, "rate": point.rate, "second_rate": point.second_rate}
-            if way.unstable and before.curvature > 0.0:
+            if effort.unstable and before.curvature > 0.0:
                 _set_stiffness(problem, stiffness)
                 # Whether the way back is found does not depend on how long the way here took.
                 whole = options.for_a_sample()
@@ -151,6 +156,26 @@ def follow_line(
         if status == SolveStatus.converged:
             stiffness = sample.get("barrier_stiffness", 0.0)
             set_barrier(problem, sample)
+
+
+@dataclass(frozen=True)
+class _Bending:
+    """A line as a path of the continuation, whose parameter is the curvature."""
+
+    problem: CellProblem
+    line: Line
+
+    def objective(self, curvature: float) -> BentCell:
+        return self.problem.bent(self.line.bend(curvature))
+
+    def predict(self, point: _Point, curvature: float) -> FloatArray | None:
+        return _predict(self.problem, self.line, point, curvature)
+
+    def fall_back(self, point: _Point, curvature: float) -> FloatArray:
+        return point.z
+
+    def next_point(self, before: _Point | None, curvature: float, solution: Solution) -> _Point:
+        return _next_point(self.problem, self.line, before, curvature, solution)
 
 
 def load_line(
@@ -202,9 +227,7 @@ def _next_point(
     if before is not None:
         second = (rate - before.rate) / (curvature - before.curvature)
     numbers = _energy_and_moment(problem, line, curvature, solution)
-    contact, y = problem.contact, solution.evaluation.world.y
-    pairs = 0 if contact is None else contact.active_pairs(y)
-    return _Point(curvature, solution.z, rate, second, *numbers, pairs)
+    return _Point(curvature, solution.z, rate, second, *numbers)
 
 
 def _energy_and_moment(
@@ -231,47 +254,6 @@ def _rate(problem: CellProblem, line: Line, curvature: float, solution: Solution
     rate = np.zeros_like(solution.z)
     rate[problem.active] = SIDE_SIGNS[line.side] * step
     return rate
-
-
-@dataclass
-class _Way:
-    """What it took to get from one sample to the next: iterations, and those that were unstable."""
-
-    iterations: int = 0
-    unstable: int = 0
-
-
-def _advance(
-    problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
-) -> tuple[_Point, Solution, _Way]:
-    """Continue from `point` to `curvature`, in smaller steps where needed."""
-    span = curvature - point.curvature
-    done, share, way = 0.0, 1.0, _Way()
-    start = point.curvature
-    while True:
-        share = min(share, 1.0 - done)
-        target = curvature if done + share >= 1.0 else start + (done + share) * span
-        predicted = _predict(problem, line, point, target)
-        if predicted is None:
-            share *= 0.5
-            if share >= _SMALLEST_STEP:
-                continue
-            predicted = point.z
-        patience = _PATIENCE if share > _SMALLEST_CAUTIOUS_STEP else options.max_iterations
-        cell = problem.bent(line.bend(target))
-        solution = solve_within(cell, predicted, patience, options)
-        way.iterations += solution.iterations
-        way.unstable += solution.unstable_iterations
-        if solution.status == SolveStatus.converged:
-            point = _next_point(problem, line, point, target, solution)
-            done += share
-            share *= 2.0
-            if target == curvature:
-                return point, solution, way
-        else:
-            share *= 0.5
-            if share < _SMALLEST_STEP or options.out_of_time:
-                return point, solution.given_up(options), way
 
 
 def _bend_back(

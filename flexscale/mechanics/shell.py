@@ -48,7 +48,7 @@ def _energies(y, vectors, derivatives, weights, law, out):
                 continue
             a[0], a[1], a[2] = 1.0 + e[0], e[1], 1.0 + e[2]
             out[0] += weights[t, q] * thickness * membrane_energy(e[0], e[1], e[2], mu, lam)
-            out[1] += weights[t, q] * stiffness * bending_energy(a, b, area, nu, measure)
+            out[1] += weights[t, q] * stiffness * bending_energy(a, b, area, nu)
 
 
 @njit(cache=True)
@@ -66,7 +66,7 @@ def _gradient(y, vectors, derivatives, weights, law, out):
             if measure == LAYERS:
                 layered_law(e, b, mu, lam, thickness, grad, no_hessian, law_work)
             else:
-                shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, no_hessian)
+                shell_law(e, b, mu, lam, thickness, stiffness, nu, grad, no_hessian)
             christoffel_symbols(v[q], dual, christoffel)
             vector_gradient(v[q], normal, christoffel, grad, weights[t, q], p[q])
         add_element_forces(derivatives[t], p, vectors[t], local, out)
@@ -88,7 +88,7 @@ def _hessian(y, vectors, derivatives, weights, law, out):
             if measure == LAYERS:
                 layered_law(e, b, mu, lam, thickness, grad, hess, law_work)
             else:
-                shell_law(e, b, mu, lam, thickness, stiffness, nu, measure, grad, hess)
+                shell_law(e, b, mu, lam, thickness, stiffness, nu, grad, hess)
             christoffel_symbols(v[q], dual, christoffel)
             vector_hessian(v[q], normal, dual, b, grad, hess, christoffel, h, work)
             fill_point(derivatives[t, q], weights[t, q], h, half[q])
@@ -108,8 +108,7 @@ class HctShell:
     poisson_ratio : 1.
     thickness : mm.
     bending_stiffness : N mm.
-    bending_measure : "layers", see `layered_law`, or "turn", "form" or "curvature", see
-        `shell_law`.
+    bending_measure : "layers", see `layered_law`, or "turn", see `shell_law`.
     """
 
     part_names: tuple[str, ...] = ("membrane", "bending")

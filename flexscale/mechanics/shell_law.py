@@ -9,25 +9,16 @@ and then
 
     Psi = mu/2 (tr a - 2) + m(L),   m' = -mu y,   m'' = mu lambda / (mu + lambda / (2 y)).
 
-Bending: D/2 [(1 - nu) tr S^2 + nu (tr S)^2] = D/2 [(tr S)^2 - 2 (1 - nu) det S], where S is one of
-three bending measures, equal for an unstretched sheet:
-
-- "turn" (default): S = U^-1/2 b U^-1/2, U = sqrt(a), the turn of the normal per rest length. This
-  symmetrization of U^-1 b has its traces. In two dimensions U = (a + J I) / tau with J = sqrt(det
-  a), tau = sqrt(tr a + 2 J), hence tr S = (adj(a) : b + J tr b) / (tau J), det S = det b / J;
-- "form": S = b, the second form. A strip pinched to no length bends for nothing;
-- "curvature": a^-1 b, the turn per deformed length, tr S = adj(a) : b / J^2, det S = det b / J^2.
-
-In all of them tr S = n f and det S = g det b with n = p adj(a) : b + c tr b and p = 0 or 1; c, f, g
-depend on a alone.
+Bending: D/2 [(1 - nu) tr S^2 + nu (tr S)^2] = D/2 [(tr S)^2 - 2 (1 - nu) det S] with the turn of
+the normal per rest length, S = U^-1/2 b U^-1/2, U = sqrt(a). This symmetrization of U^-1 b has its
+traces. In two dimensions U = (a + J I) / tau with J = sqrt(det a), tau = sqrt(tr a + 2 J), hence
+tr S = n f with n = adj(a) : b + J tr b and f = 1 / (tau J), and det S = det b / J.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
-
-TURN, FORM, CURVATURE = range(3)  # bending measures
 
 
 @njit(cache=True)
@@ -58,29 +49,21 @@ def membrane_energy(e11, e12, e22, mu, lam):
 
 
 @njit(cache=True)
-def bending_energy(a, b, area, nu, measure):
+def bending_energy(a, b, area, nu):
     """Bending energy per rest area over D [mm-2]; a, b as (11, 12, 22), area = sqrt(det a)."""
-    if measure == FORM:
-        trace, factor = b[0] + b[2], 1.0
-    else:
-        trace = a[2] * b[0] + a[0] * b[2] - 2.0 * a[1] * b[1]
-        factor = 1.0 / area
-        if measure == CURVATURE:
-            factor /= area
-            trace *= factor
-        else:
-            tau = np.sqrt(a[0] + a[2] + 2.0 * area)
-            trace = (trace + area * (b[0] + b[2])) / (tau * area)
+    factor = 1.0 / area
+    trace = a[2] * b[0] + a[0] * b[2] - 2.0 * a[1] * b[1]
+    tau = np.sqrt(a[0] + a[2] + 2.0 * area)
+    trace = (trace + area * (b[0] + b[2])) / (tau * area)
     return 0.5 * trace * trace - (1.0 - nu) * (b[0] * b[2] - b[1] * b[1]) * factor
 
 
 @njit(cache=True)
-def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, measure, grad, hess):
+def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, grad, hess):
     """Gradient (6,) and Hessian (6, 6) of the energy per rest area in s = (a11, a12, a22, b11, b12,
     b22).
 
-    `e` = a - I as (11, 12, 22), `b` [mm-1], `measure` one of the three. Pass `hess` of
-    shape (0, 0) to skip it.
+    `e` = a - I as (11, 12, 22), `b` [mm-1]. Pass `hess` of shape (0, 0) to skip it.
     """
     a0, a1, a2 = 1.0 + e[0], e[1], 1.0 + e[2]
     det_minus_one = e[0] + e[2] + e[0] * e[2] - e[1] * e[1]
@@ -98,36 +81,27 @@ def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, measure, grad, he
     trace_b = b[0] + b[2]
     tau = np.sqrt(a0 + a2 + 2.0 * area)
     d_s = (1.0 + 2.0 * d_area[0], 2.0 * d_area[1], 1.0 + 2.0 * d_area[2])  # s = tau^2
-    adjoint, c, f, power = 1.0, area, 1.0 / (tau * area), 1.0  # g = J^-power
-    if measure == FORM:
-        adjoint, c, f, power = 0.0, 1.0, 1.0, 0.0
-    elif measure == CURVATURE:
-        c, f, power = 0.0, 1.0 / area**2, 2.0
-    d_c = np.zeros(3)
+    f = 1.0 / (tau * area)
     d_f = np.zeros(6)
     for i in range(3):
-        if measure == TURN:
-            d_c[i] = d_area[i]
-            d_f[i] = f * (-0.5 * d_s[i] / tau**2 - d_log[i])
-        elif measure == CURVATURE:
-            d_f[i] = -2.0 * f * d_log[i]
-    n = adjoint * (a2 * b[0] + a0 * b[2] - 2.0 * a1 * b[1]) + c * trace_b
+        d_f[i] = f * (-0.5 * d_s[i] / tau**2 - d_log[i])
+    n = (a2 * b[0] + a0 * b[2] - 2.0 * a1 * b[1]) + area * trace_b
     d_n = np.empty(6)
-    d_n[0] = adjoint * b[2] + trace_b * d_c[0]
-    d_n[1] = -2.0 * adjoint * b[1] + trace_b * d_c[1]
-    d_n[2] = adjoint * b[0] + trace_b * d_c[2]
-    d_n[3] = adjoint * a2 + c
-    d_n[4] = -2.0 * adjoint * a1
-    d_n[5] = adjoint * a0 + c
+    d_n[0] = b[2] + trace_b * d_area[0]
+    d_n[1] = -2.0 * b[1] + trace_b * d_area[1]
+    d_n[2] = b[0] + trace_b * d_area[2]
+    d_n[3] = a2 + area
+    d_n[4] = -2.0 * a1
+    d_n[5] = a0 + area
     trace = n * f
     d_trace = d_n * f + n * d_f
     det_b = b[0] * b[2] - b[1] * b[1]
     d_det_b = (b[2], -2.0 * b[1], b[0])
-    gauss = (1.0 - nu) / area**power
+    gauss = (1.0 - nu) / area
     for i in range(6):
         grad_i = trace * d_trace[i]
         if i < 3:
-            grad_i += gauss * power * det_b * d_log[i]
+            grad_i += gauss * det_b * d_log[i]
             grad[i] += bending_stiffness * grad_i
         else:
             grad[i] = bending_stiffness * (grad_i - gauss * d_det_b[i - 3])
@@ -151,21 +125,15 @@ def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, measure, grad, he
         for j in range(6):
             value = d_trace[i] * d_trace[j] + trace * (d_n[i] * d_f[j] + d_f[i] * d_n[j])
             if i < 3 and j < 3:
-                dd_f = d_f[i] * d_f[j] / f
-                dd_c = 0.0
-                if measure == TURN:
-                    dd_c = dd_area[i, j]
-                    dd_f += f * (
-                        0.5 * d_s[i] * d_s[j] / tau**4 - dd_area[i, j] / tau**2 - dd_log[i, j]
-                    )
-                elif measure == CURVATURE:
-                    dd_f -= 2.0 * f * dd_log[i, j]
-                value += trace * (trace_b * dd_c * f + n * dd_f)
-                value += gauss * power * det_b * (dd_log[i, j] - power * d_log[i] * d_log[j])
+                dd_f = d_f[i] * d_f[j] / f + f * (
+                    0.5 * d_s[i] * d_s[j] / tau**4 - dd_area[i, j] / tau**2 - dd_log[i, j]
+                )
+                value += trace * (trace_b * dd_area[i, j] * f + n * dd_f)
+                value += gauss * det_b * (dd_log[i, j] - d_log[i] * d_log[j])
             elif i < 3 or j < 3:
                 low, high = min(i, j), max(i, j) - 3
-                value += trace * f * _mixed_trace_numerator(low, high, adjoint, d_c)
-                value += gauss * power * d_det_b[high] * d_log[low]
+                value += trace * f * _mixed_trace_numerator(low, high, d_area)
+                value += gauss * d_det_b[high] * d_log[low]
             else:
                 value -= gauss * _det_hessian(i - 3, j - 3)
             hess[i, j] = bending_stiffness * value
@@ -174,12 +142,12 @@ def shell_law(e, b, mu, lam, thickness, bending_stiffness, nu, measure, grad, he
 
 
 @njit(cache=True)
-def _mixed_trace_numerator(i, j, adjoint, d_c):
-    """d2n / da_i db_j of n = adjoint * adj(a) : b + c tr b."""
-    trace_part = 0.0 if j == 1 else d_c[i]
+def _mixed_trace_numerator(i, j, d_area):
+    """d2n / da_i db_j of n = adj(a) : b + J tr b."""
+    trace_part = 0.0 if j == 1 else d_area[i]
     if i == 1:
-        return trace_part - (2.0 * adjoint if j == 1 else 0.0)
-    return trace_part + (adjoint if i + j == 2 and j != 1 else 0.0)
+        return trace_part - (2.0 if j == 1 else 0.0)
+    return trace_part + (1.0 if i + j == 2 and j != 1 else 0.0)
 
 
 @njit(cache=True)

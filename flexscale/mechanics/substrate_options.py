@@ -9,8 +9,8 @@ from flexscale.checks import checked, choice
 from flexscale.errors import ConfigError
 
 SUBSTRATE_ELEMENTS = ("c1", "edge_angle", "averaged_normals")
-#: Numbered as in `shell_law`; the last one is the energy of `layered_law`.
-BENDING_MEASURES = ("turn", "form", "curvature", "layers")
+#: Energies of `shell_law` and of `layered_law`.
+BENDING_MEASURES = ("turn", "layers")
 DEFAULT_MEASURE = "layers"
 
 
@@ -27,10 +27,9 @@ class SubstrateOptions:
     element : "c1" smooth triangles; the paper's linear triangles, bent by "edge_angle" (one normal
         angle per edge) or by "averaged_normals" (none), for comparison: they need many more.
     bending_measure : of "c1" triangles: "layers" integrates the material's energy over the
-        thickness, so that no fiber can be pressed to nothing; else a bending energy is added to
-        that of the midsurface, quadratic in the "turn" of the normal per rest length, the second
-        "form", or the "curvature", the turn per deformed length. They differ where the sheet is
-        bent or stretched much.
+        thickness, so that no fiber can be pressed to nothing; with "turn" a bending energy is
+        added to that of the midsurface, quadratic in the turn of the normal per rest length. They
+        differ where the sheet is bent or stretched much.
     """
 
     element: str = "c1"

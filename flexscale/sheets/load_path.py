@@ -10,14 +10,16 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.sheets.sheet_problem import SheetProblem, SheetState
-from flexscale.solve.newton import Solution, solve_equilibrium
+from flexscale.solve.continuation import Stepping, advance
+from flexscale.solve.newton import Solution
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 log = logging.getLogger(__name__)
 
 _PROBE = 1e-6  # change of the factor for the tangent
-_MOST_CUTS = 6  # halvings of a step that Newton's method does not master
+#: Six halvings; a sheet that is near its equilibrium gets all the iterations that it needs.
+_STEPPING = Stepping(smallest=1.0 / 64.0, cautious=1.0, growth=1.0, rest=1.5)
 
 
 @dataclass(frozen=True)
@@ -61,44 +63,50 @@ def follow_loads(
     reached : load factor of `z`.
     """
     options = options or SolverOptions()
-    current = problem.rest.copy() if z is None else z.copy()
-    steps = []
+    point, steps = _Reached(reached, problem.rest.copy() if z is None else z.copy()), []
     for factor in factors:
-        step = _reach(problem, current, reached, factor, options)
-        steps.append(step)
-        if step.status != SolveStatus.converged:
+        arrival = advance(_Loading(problem), point, factor, options, _STEPPING)
+        point, end = arrival.point, arrival.solution
+        steps.append(
+            LoadStep(
+                point.parameter,
+                end.status,
+                end.evaluation,
+                arrival.effort.iterations,
+                end.negative_eigenvalues,
+            )
+        )
+        if end.status != SolveStatus.converged:
             break
-        current, reached = step.state.z, factor
     return steps
 
 
-def _reach(
-    problem: SheetProblem, z: FloatArray, reached: float, factor: float, options: SolverOptions
-) -> LoadStep:
-    """One step of the path, in as many parts as it takes."""
-    iterations, length, here = 0, factor - reached, reached
-    for cut in range(_MOST_CUTS + 1):
-        while True:
-            goal = factor if here + 1.5 * length > factor else here + length
-            start = _predict(problem, z, here, goal)
-            solution = solve_equilibrium(problem, start, options)
-            iterations += solution.iterations
-            if solution.status != SolveStatus.converged:
-                break
-            z, here = solution.z, goal
-            if here == factor:
-                return _step(factor, solution, iterations)
-        if options.out_of_time:
-            break
-        length *= 0.5
-        log.debug("load step to %g cut to %g after %d", factor, length, cut)
-    return _step(here, solution.given_up(options), iterations)
+@dataclass(frozen=True)
+class _Reached:
+    """An equilibrium on the path."""
+
+    parameter: float
+    z: FloatArray
 
 
-def _step(factor: float, solution: Solution, iterations: int) -> LoadStep:
-    return LoadStep(
-        factor, solution.status, solution.evaluation, iterations, solution.negative_eigenvalues
-    )
+@dataclass(frozen=True)
+class _Loading:
+    """The load factor of a sheet as a path of the continuation."""
+
+    problem: SheetProblem
+
+    def objective(self, factor: float) -> SheetProblem:
+        self.problem.start(factor)
+        return self.problem
+
+    def predict(self, point: _Reached, factor: float) -> FloatArray:
+        return _predict(self.problem, point.z, point.parameter, factor)
+
+    def fall_back(self, point: _Reached, factor: float) -> FloatArray:
+        return self.problem.start(factor, point.z)
+
+    def next_point(self, before: _Reached | None, factor: float, solution: Solution) -> _Reached:
+        return _Reached(factor, solution.z)
 
 
 def _predict(problem: SheetProblem, z: FloatArray, here: float, goal: float) -> FloatArray:

@@ -126,9 +126,9 @@ def test_bad_bends_are_refused(squares: NativeSheet) -> None:
 
 
 def test_the_bending_measure_is_that_of_the_sheet(squares: NativeSheet) -> None:
-    """Far bent, the second form and the layers have energies that differ (see shell_law)."""
-    options = fs.SubstrateOptions(bending_measure="form")
-    by_form = NativeSheet(
+    """Far bent, turn and layers have energies that differ (see shell_law)."""
+    options = fs.SubstrateOptions(bending_measure="turn")
+    by_turn = NativeSheet(
         fs.named_pattern("square"),
         20.0,
         10.0,
@@ -136,7 +136,7 @@ def test_the_bending_measure_is_that_of_the_sheet(squares: NativeSheet) -> None:
     )
     energies = [
         sample["energy_density"]
-        for sheet in (squares, by_form)
+        for sheet in (squares, by_turn)
         for sample in bend_native_sheet(sheet, (0.02,), "opening")
     ]
     assert energies[1] != pytest.approx(energies[0], rel=1e-3)

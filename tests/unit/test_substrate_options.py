@@ -36,11 +36,11 @@ def test_unknown_element_is_refused_with_a_hint():
 
 
 def test_bending_measures_are_for_c1_triangles():
-    assert fs.SubstrateOptions(bending_measure="form").to_config()["bending_measure"] == "form"
+    assert fs.SubstrateOptions(bending_measure="turn").to_config()["bending_measure"] == "turn"
     with pytest.raises(UnknownNameError, match="no bending measure 'shape'"):
         fs.SubstrateOptions(bending_measure="shape")
     with pytest.raises(ConfigError, match="'edge_angle' has its own"):
-        fs.SubstrateOptions("edge_angle", bending_measure="form")
+        fs.SubstrateOptions("edge_angle", bending_measure="turn")
 
 
 def test_options_come_back_from_their_config():

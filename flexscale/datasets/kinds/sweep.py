@@ -135,7 +135,6 @@ SWEEP = Schema(
             attrs={"comment": "raised where scales press so hard that they nearly meet"},
         ),
         _counted("newton_iterations", "Newton iterations"),
-        _counted("alm_iterations", "augmented Lagrangian iterations", optional=True),
         _counted("negative_eigenvalues", "negative eigenvalues of the constrained Hessian"),
         _counted("saddles_left", "saddles met and left on the way to the sample", optional=True),
         _sampled("residual_norm", "N", "norm of the remaining force"),

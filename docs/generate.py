@@ -91,7 +91,7 @@ def experiments() -> str:
     ]
     for key in dict.fromkeys(row[0].split(".")[0] for row in rows):
         own = next(row for row in rows if row[0] == key)
-        lines += ["", f"## `{key}`", "", f"{_sentence(own[4])}"]
+        lines += ["", f"## `{key}`", "", *wrapped(_sentence(own[4]))]
         if key in STEPS:
             lines += ["", *_of_step(key)]
         fields = [row for row in rows if row[0].startswith(f"{key}.")]
@@ -171,7 +171,7 @@ def datasets() -> str:
 
 def _of_kind(schema: Schema) -> Iterator[str]:
     step = " Made by the step of this name." if schema.kind in STEPS else ""
-    yield from (f"## {schema.kind}", "", f"`{schema.name}`: {schema.title}.{step}")
+    yield from (f"## {schema.kind}", "", *wrapped(f"`{schema.name}`: {schema.title}.{step}"))
     for name, variables in (("Coordinates", schema.coordinates), ("Variables", schema.variables)):
         if variables:
             yield from ("", f"{name}:", "", *_variables(variables))

@@ -89,6 +89,16 @@ def test_every_equation_has_a_function_and_a_test() -> None:
     assert numbers >= {str(number) for number in range(1, 20)} - {"17", "18"}
 
 
+def test_glossary_has_every_term_once() -> None:
+    rows = re.findall(r"^\| ([^|]+) \|", TEXTS["docs/glossary.md"], re.MULTILINE)
+    terms = [row for row in rows if row not in ("term", "---")]
+    assert len(terms) == len(set(terms)) > 80
+    wanted = {"scale", "tile", "gap", "bond", "closing", "opening", "direction", "side", "sample"}
+    wanted |= {"line", "sheet", "native model", "macro model", "shell", "substrate", "fit", "kind"}
+    wanted |= {"gap model", "tangent", "onset", "step", "recipe", "dataset", "digest", "layer"}
+    assert wanted <= set(terms)
+
+
 def test_a_name_that_is_nowhere_is_noticed() -> None:
     assert is_there("solve.newton", "solve_equilibrium")
     assert is_there("flexscale.homogenize.cell_problem", "BentCell.moment")

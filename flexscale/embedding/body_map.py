@@ -126,17 +126,15 @@ class BodyMap:
         """(n_unknowns,) of the bodies' parts and of the sheet's in the inner map's order."""
         return np.concatenate([*bodies, zeta[3 * self.point_starts[-1] :]])
 
-    def elastic_energy(self, z: FloatArray) -> float:
-        """Of all bodies, N mm."""
+    def elastic_parts(self, z: FloatArray) -> FloatArray:
+        """(1,) elastic energy of all bodies, N mm."""
         pairs = zip(self.bodies, self.split(z), strict=True)
-        return sum(body.energy(unknowns) for body, unknowns in pairs)
+        return np.array([sum(body.energy(unknowns) for body, unknowns in pairs)])
 
-    def elastic_gradient(self, z: FloatArray) -> FloatArray:
-        """(n_unknowns,) of `elastic_energy`."""
-        out = np.zeros(self.n_unknowns)
+    def add_elastic_gradient(self, z: FloatArray, gradient: FloatArray) -> None:
+        """Add the derivatives of the elastic energy to `gradient (n_unknowns,)`."""
         for k, (body, unknowns) in enumerate(zip(self.bodies, self.split(z), strict=True)):
-            out[self.starts[k] : self.starts[k + 1]] = body.gradient(unknowns)
-        return out
+            gradient[self.starts[k] : self.starts[k + 1]] += body.gradient(unknowns)
 
     def _lifts(self, bend: Bend) -> FloatArray:
         """(4 n_bodies,) rate of w3 of p with kappa, 0 for the frame's vectors."""

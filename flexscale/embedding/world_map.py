@@ -136,6 +136,13 @@ class WorldMap:
     def _structure(self) -> tuple:
         return (self.term_indptr, self.terms, self.weights, self.slide)
 
+    def elastic_parts(self, z: FloatArray) -> FloatArray:
+        """(0,): no unknown has an energy of its own, all are of world vectors."""
+        return np.zeros(0)
+
+    def add_elastic_gradient(self, z: FloatArray, gradient: FloatArray) -> None:
+        """As `elastic_parts`."""
+
     def pull_gradient(self, world: World, forces: FloatArray) -> FloatArray:
         """(n_unknowns,) dE/dz = J^T dE/dy for forces dE/dy (n_rows, 3)."""
         out = np.zeros(self.n_unknowns)

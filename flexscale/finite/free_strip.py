@@ -14,12 +14,26 @@ from numpy.typing import ArrayLike
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.errors import BadInputError
-from flexscale.finite.finite_sheet import FiniteSheet
-from flexscale.homogenize.cell_problem import BentCell, CellProblem
+from flexscale.finite.finite_sheet import FiniteHold, FiniteSheet
+from flexscale.homogenize.cell_problem import BentCell
+from flexscale.homogenize.hold import Embedding
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mesh.periodic_mesh import FREE
 from flexscale.patterns import Pattern
 from flexscale.patterns.strip import clip_strip
+
+
+class FreeSides(FiniteHold):
+    """A strip without ends whose sides are free; its mean height floats as a cell's."""
+
+    floats = True
+
+    def active(self, embedding: Embedding) -> IntArray:
+        """What an element depends on, less what a cell pins; of the lattice's strain Sxx."""
+        free = self.used(embedding)
+        free[np.setdiff1d(np.arange(len(free)), embedding.active)] = False
+        free[-3:] = True, False, False
+        return np.flatnonzero(free)
 
 
 class FreeStrip(FiniteSheet):
@@ -50,15 +64,7 @@ class FreeStrip(FiniteSheet):
         native: NativeModel | None = None,
     ) -> None:
         tiles = clip_strip(pattern, width, direction, periods=periods, center=center)
-        super().__init__(pattern, tiles, native)
-        self.shift_mode = self.embedding.shift_mode[self.active]
-
-    def free_unknowns(self) -> IntArray:
-        """What an element depends on, less what a cell pins; of the lattice's strain Sxx."""
-        free = self.used_unknowns()
-        free[np.setdiff1d(np.arange(len(free)), self.embedding.active)] = False
-        free[-3:] = True, False, False
-        return np.flatnonzero(free)
+        super().__init__(pattern, tiles, FreeSides(tiles), native)
 
     def bent(self, bend: Bend) -> BentCell:
         """The strip's energy under a bend along its length.
@@ -73,10 +79,6 @@ class FreeStrip(FiniteSheet):
                 f"{np.degrees(bend.direction):g} degree: give the direction to the strip itself."
             )
         return super().bent(bend)
-
-    def build_system(self) -> None:
-        """Analyze the present pattern of nonzeros, with the mean normal displacement held."""
-        CellProblem.build_system(self)
 
     def curl(self, z: FloatArray) -> float:
         """Mean curvature across the strip [mm-1], closing > 0, of a parabola through the sheet."""

@@ -17,9 +17,12 @@ import numpy as np
 
 from flexscale.arrays import IntArray
 from flexscale.embedding.bodies import Body
+from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.errors import BadInputError
-from flexscale.finite.finite_sheet import FiniteSheet
+from flexscale.finite.finite_sheet import FiniteHold, FiniteSheet
+from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.hold import Embedding
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.contact import ContactSurface
@@ -29,6 +32,52 @@ from flexscale.patterns import Pattern
 from flexscale.patterns.clipped import clip_pattern
 from flexscale.sides import SOME_SIDES
 from flexscale.solve.solver_options import SolverOptions
+
+
+class EndStrips(FiniteHold):
+    """Scales that the ends cut are strips on a cylinder."""
+
+    def bodies(self, inner: CellEmbedding, model: CellModel) -> list[Body]:
+        """The scales; those of the strips turn with the cylinder at the end, and do not leave its
+        tangent."""
+        bodies = super().bodies(inner, model)
+        for k in np.flatnonzero(self.tiles.at_end):
+            body = bodies[k]
+            anchored = body.anchored(body.anchor * [0.0, 1.0])
+            bodies[k] = replace(anchored, second_moment=np.zeros((2, 2)))
+        return bodies
+
+    def surface(self, inner: CellEmbedding) -> ContactSurface | None:
+        """Scales of a strip are one body: they do not meet one another."""
+        surface = inner.contact_surface
+        if surface is None or not self.tiles.at_end.any():
+            return surface
+        scale = np.empty(inner.mesh.n_scale_vertices, dtype=np.int64)
+        scale[inner.mesh.tets.ravel()] = np.repeat(inner.mesh.tet_scale, inner.mesh.tets.shape[1])
+        known = surface.vertices >= 0
+        of_body = np.empty(surface.bodies.max() + 1, dtype=np.int64)
+        of_body[surface.bodies[known]] = scale[surface.vertices[known]]
+        held = self.tiles.at_end[of_body[surface.bodies]]
+        home = np.arange(len(held)) < surface.n_home
+        bodies = surface.bodies.copy()
+        for strip in (held & home, held & ~home):
+            bodies[strip] = bodies[strip].min(initial=0)
+        return replace(surface, bodies=bodies)
+
+    def active(self, embedding: Embedding) -> IntArray:
+        """All but the strips', what no element depends on, and of the lattice's strain Syy, Sxy."""
+        assert isinstance(embedding, BodyCell)
+        inner, mesh = embedding.inner, embedding.mesh
+        n, n_bodies = embedding.n_unknowns, int(embedding.world_map.starts[-1])
+        free = self.used(embedding)
+        starts = embedding.world_map.starts
+        for k in np.flatnonzero(self.tiles.at_end):
+            free[starts[k] : starts[k + 1]] = False
+        on_end = np.abs(mesh.positions[:, 0]) < 1e-6 * self.tiles.length
+        nodes = inner.vertex_node[on_end & (mesh.vertex_kind == FREE)]
+        free[nodes[:, None] + np.arange(9) + n_bodies - 3 * inner.n_nodes] = False
+        free[n - 3 :] = True, False, False
+        return np.flatnonzero(free)
 
 
 class NativeSheet(FiniteSheet):
@@ -60,48 +109,8 @@ class NativeSheet(FiniteSheet):
         direction: float = 0.0,
         native: NativeModel | None = None,
     ) -> None:
-        super().__init__(pattern, clip_pattern(pattern, length, width, direction), native)
-
-    def build_bodies(self, inner: CellEmbedding) -> list[Body]:
-        """The scales; those of the strips turn with the cylinder at the end, and do not leave its
-        tangent."""
-        bodies = super().build_bodies(inner)
-        for k in np.flatnonzero(self.tiles.at_end):
-            body = bodies[k]
-            anchored = body.anchored(body.anchor * [0.0, 1.0])
-            bodies[k] = replace(anchored, second_moment=np.zeros((2, 2)))
-        return bodies
-
-    def touching_surface(self, inner: CellEmbedding) -> ContactSurface | None:
-        """Scales of a strip are one body: they do not meet one another."""
-        surface = inner.contact_surface
-        if surface is None or not self.tiles.at_end.any():
-            return surface
-        scale = np.empty(self.mesh.n_scale_vertices, dtype=np.int64)
-        scale[self.mesh.tets.ravel()] = np.repeat(self.mesh.tet_scale, self.mesh.tets.shape[1])
-        known = surface.vertices >= 0
-        of_body = np.empty(surface.bodies.max() + 1, dtype=np.int64)
-        of_body[surface.bodies[known]] = scale[surface.vertices[known]]
-        held = self.tiles.at_end[of_body[surface.bodies]]
-        home = np.arange(len(held)) < surface.n_home
-        bodies = surface.bodies.copy()
-        for strip in (held & home, held & ~home):
-            bodies[strip] = bodies[strip].min(initial=0)
-        return replace(surface, bodies=bodies)
-
-    def free_unknowns(self) -> IntArray:
-        """All but the strips', what no element depends on, and of the lattice's strain Syy, Sxy."""
-        cell, inner, mesh = self.embedding, self.embedding.inner, self.mesh
-        n, n_bodies = cell.n_unknowns, int(cell.world_map.starts[-1])
-        free = self.used_unknowns()
-        starts = cell.world_map.starts
-        for k in np.flatnonzero(self.tiles.at_end):
-            free[starts[k] : starts[k + 1]] = False
-        on_end = np.abs(mesh.positions[:, 0]) < 1e-6 * self.tiles.length
-        nodes = inner.vertex_node[on_end & (mesh.vertex_kind == FREE)]
-        free[nodes[:, None] + np.arange(9) + n_bodies - 3 * inner.n_nodes] = False
-        free[n - 3 :] = True, False, False
-        return np.flatnonzero(free)
+        tiles = clip_pattern(pattern, length, width, direction)
+        super().__init__(pattern, tiles, EndStrips(tiles), native)
 
 
 def bend_native_sheet(

@@ -25,14 +25,20 @@ from scipy.optimize import brentq
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import N_FRAME, Body
+from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import GRADIENT, POSITION, Bend, place_images
-from flexscale.finite.finite_sheet import FiniteSheet
+from flexscale.finite.finite_sheet import FiniteHold, FiniteSheet
+from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import BentCell, CellState
+from flexscale.homogenize.hold import Embedding
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.scale_modes import build_bodies
 from flexscale.mechanics.energy import NOTHING
 from flexscale.mesh.finite import strips
 from flexscale.mesh.periodic_mesh import FREE
+from flexscale.patterns import Pattern
+from flexscale.patterns.clipped import SheetTiles
 
 FLAT = Bend(0.0, 0.0)
 _HELD = (0, 1, 2, 4, 6, 7, 8, 10)  # unknowns of a strip that its hinge holds
@@ -55,24 +61,21 @@ class Machine:
     stiffness: float
 
 
-class NativeStage(FiniteSheet):
-    """A sheet of whole and cut scales between two hinges.
-
-    Parameters
-    ----------
-    pattern, tiles, native : as of a `FiniteSheet`; tiles are not glued.
+class Hinges(FiniteHold):
+    """Scales that an end cuts are one strip, which turns about the end's line.
 
     Attributes
     ----------
-    far : indices in z of the x of all points of the far hinge.
-    turning : indices in z of what turns about the hinges.
-    far_active : their places among the active unknowns.
-    hard : N/mm, stiffness of a machine beside which the sheet is nothing.
+    far : indices in z of the x of all points of the far hinge, once `active` was asked for.
+    turning : indices in z of what turns about the hinges, likewise.
     """
 
-    def build_bodies(self, inner: CellEmbedding) -> list[Body]:
+    far: IntArray
+    turning: IntArray
+
+    def bodies(self, inner: CellEmbedding, model: CellModel) -> list[Body]:
         """The scales, and the strips, anchored on their hinges."""
-        model, ends = self.model, (0.0, self.tiles.length)
+        ends = (0.0, self.tiles.length)
         hinged = {k: x for k, x in zip(strips(self.tiles), ends, strict=True) if k >= 0}
         bodies = build_bodies(
             inner, model.scale_material, model.sheet_support, model.scales.cutoff, hinged
@@ -83,11 +86,12 @@ class NativeStage(FiniteSheet):
             bodies[k] = replace(anchored, second_moment=unlifted)
         return bodies
 
-    def free_unknowns(self) -> IntArray:
+    def active(self, embedding: Embedding) -> IntArray:
         """All but the hinges', what no element depends on, and the lattice's strain."""
-        inner, mesh = self.embedding.inner, self.mesh
-        starts = self.embedding.world_map.starts
-        free = self.used_unknowns()
+        assert isinstance(embedding, BodyCell)
+        inner, mesh = embedding.inner, embedding.mesh
+        starts = embedding.world_map.starts
+        free = self.used(embedding)
         to_z = int(starts[-1]) - 3 * inner.n_nodes
         far: list[int] = []
         turning: list[int] = []
@@ -107,16 +111,36 @@ class NativeStage(FiniteSheet):
         self.far, self.turning = np.array(far, dtype=np.int64), np.array(turning, dtype=np.int64)
         free[self.far] = True
         free[-3:] = False
-        active = np.flatnonzero(free)
-        self.far_active = np.searchsorted(active, self.far)
-        return active
+        return np.flatnonzero(free)
 
-    def build_system(self) -> None:
-        """Analyze the present pattern of nonzeros; name the machine that holds."""
-        super().build_system()
+
+class NativeStage(FiniteSheet):
+    """A sheet of whole and cut scales between two hinges.
+
+    Parameters
+    ----------
+    pattern : the scale pattern.
+    tiles : the pattern on the sheet, not glued.
+    native : as of a `FiniteSheet`.
+
+    Attributes
+    ----------
+    far : indices in z of the x of all points of the far hinge.
+    turning : indices in z of what turns about the hinges.
+    far_active : their places among the active unknowns.
+    hard : N/mm, stiffness of a machine beside which the sheet is nothing.
+    """
+
+    def __init__(
+        self, pattern: Pattern, tiles: SheetTiles, native: NativeModel | None = None
+    ) -> None:
+        hold = Hinges(tiles)
+        super().__init__(pattern, tiles, hold, native)
+        self.far, self.turning = hold.far, hold.turning
+        self.far_active = np.searchsorted(self.active, self.far)
         model = self.model
         gaps = model.substrate_material.young_modulus * model.substrate_thickness / model.gap
-        self.hard = _HARD * gaps * self.tiles.width
+        self.hard = _HARD * gaps * tiles.width
 
     def carried(self, shortening: float, stiffness: float) -> CarriedSheet:
         """The sheet with its far hinge on a machine that has come closer by so much [mm]."""

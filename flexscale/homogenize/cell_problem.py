@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from flexscale.arrays import FloatArray, IntArray
+from flexscale.arrays import FloatArray
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.body_cell import BodyCell
-from flexscale.embedding.body_map import BodyMap, BodySecondOrder, BodyWorld
+from flexscale.embedding.body_map import BodySecondOrder, BodyWorld
 from flexscale.embedding.body_pull_back import BodyPullBack
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
@@ -19,9 +19,9 @@ from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
 from flexscale.homogenize.cell_model import CellModel
+from flexscale.homogenize.hold import Hold, Periodic
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
-from flexscale.homogenize.scale_modes import build_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.contact import ContactSurface, ScaleContact, barrier_stiffness
 from flexscale.mechanics.energy import ALL, NOTHING, Energy
@@ -30,7 +30,7 @@ from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import NeoHookean, Pattern
 from flexscale.solve.constraint import ConstrainedSystem
-from flexscale.solve.linear import Factorization, build_factorization
+from flexscale.solve.linear import build_factorization
 from flexscale.solve.ordering import elimination_order
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
@@ -77,13 +77,14 @@ class CellState:
 
 
 class CellProblem:
-    """Substrate and scales of one translational cell, ready to be bent.
+    """Substrate and scales of one translational cell, or of what a hold makes of it, to be bent.
 
     Parameters
     ----------
     mesh : torus mesh.
     model : materials, sizes, contact, linear solver.
     bodies : the scales, if they are bodies and known already.
+    hold : how it is held; periodic if not given.
 
     Attributes
     ----------
@@ -93,7 +94,7 @@ class CellProblem:
     contact : barrier between scales; None without scales or if switched off.
     barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
-    area : rest area of the cell, mm2.
+    area : rest area, mm2.
     system : factorizes on the present pattern of nonzeros, which contact may enlarge.
 
     Raises
@@ -102,63 +103,51 @@ class CellProblem:
     """
 
     def __init__(
-        self, mesh: PeriodicMesh, model: CellModel, bodies: Sequence[Body] | None = None
+        self,
+        mesh: PeriodicMesh,
+        model: CellModel,
+        bodies: Sequence[Body] | None = None,
+        hold: Hold | None = None,
     ) -> None:
-        self.mesh, self.model = mesh, model
-        self.area = mesh.cell_area
+        self.mesh, self.model, self.hold = mesh, model, hold or Periodic()
         tets = model.scales.model == "tets" or mesh.n_scales == 0
         edge = model.contact.edge if model.contact.enabled else None
         inner = build_embedding(mesh, model.substrate, model.bond_radius, edge, tets)
+        self.area = self.hold.area(inner)
         material, stiffness = model.substrate_material, model.plate_stiffness
         self.energies: list[Energy] = build_substrate(
             inner, model.substrate, material, model.substrate_thickness, stiffness
         )
-        self.contact = _build_contact(self.touching_surface(inner), model)
+        self.contact = _build_contact(self.hold.surface(inner), model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
-        # Cells with tets and with bodies: the same calls, with worlds of their own.
-        self.embedding: Any = inner
-        self.pull_back: Any
-        self.bodies: tuple[Body, ...] = ()
         names = [name for e in self.energies for name in e.part_names]
         self.part_names = (*names, "scales", *([] if self.contact is None else ["contact"]))
+        self.bodies: tuple[Body, ...] = ()
+        self.embedding: Any = inner
         if tets:
             self.energies.append(_build_tets(inner, model.scale_material))
-            self._check_start()
-            active = self.free_unknowns()
-            self.pull_back = PullBack(inner.world_map, self.energies, active, self.contact)
         else:
-            self.bodies = tuple(self.build_bodies(inner) if bodies is None else bodies)
+            self.bodies = tuple(self.hold.bodies(inner, model) if bodies is None else bodies)
             self.embedding = BodyCell(inner, self.bodies)
-            self._check_start()
-            everything = np.arange(inner.n_unknowns)
-            self.pull_back = BodyPullBack(
-                self.embedding.world_map,
-                PullBack(inner.world_map, self.energies, everything),
-                self.free_unknowns(),
-                self.contact,
-            )
-        self.active = self.free_unknowns()
+        self._check_start()
+        self.active = self.hold.active(self.embedding)
+        # Cells with tets and with bodies have worlds of their own, and the same calls.
+        self.pull_back: Any = self._build_pull_back(inner)
         self.build_system()
-        self.shift_mode = self.embedding.shift_mode[self.active]
+        rigid = self.embedding.shift_mode[self.active]
+        self.shift_mode = rigid if self.hold.floats else np.zeros(len(self.active))
         # Energies below this are rounding: strains of 1e-12 in the sheet, of 3e-15 in the scales.
         sheet = model.substrate_material.young_modulus * model.substrate_thickness
         scales = model.scale_material.young_modulus * mesh.scale_height
-        self.energy_floor = self.area * (1e-24 * sheet + 1e-29 * scales)
+        self.energy_floor = mesh.cell_area * (1e-24 * sheet + 1e-29 * scales)
 
-    def build_bodies(self, inner: CellEmbedding) -> list[Body]:
-        """The scales."""
-        model = self.model
-        cutoff = model.scales.cutoff
-        return build_bodies(inner, model.scale_material, model.sheet_support, cutoff)
-
-    def touching_surface(self, inner: CellEmbedding) -> ContactSurface | None:
-        """What contact sees; None without."""
-        return inner.contact_surface
-
-    def free_unknowns(self) -> IntArray:
-        """Indices of the unknowns that are sought."""
-        active: IntArray = self.embedding.active
-        return active
+    def _build_pull_back(self, inner: CellEmbedding) -> PullBack | BodyPullBack:
+        """What takes Hessians by world vectors to those by the active unknowns."""
+        if not self.bodies:
+            return PullBack(inner.world_map, self.energies, self.active, self.contact)
+        everything = np.arange(inner.n_unknowns)
+        of_sheet = PullBack(inner.world_map, self.energies, everything)
+        return BodyPullBack(self.embedding.world_map, of_sheet, self.active, self.contact)
 
     def _check_start(self) -> None:
         if self.contact is None:
@@ -190,18 +179,20 @@ class CellProblem:
 
     def build_system(self) -> None:
         """Analyze the present pattern of nonzeros."""
-        self.system: ConstrainedSystem | UnconstrainedSystem = ConstrainedSystem(
-            self.build_factorization(),
-            self.pull_back.diagonal,
-            self.embedding.mean_offset[self.active],
-            int(np.searchsorted(self.active, self.embedding.shift_unknown)),
-        )
-
-    def build_factorization(self) -> Factorization:
-        """Backend on the present pattern of nonzeros."""
         pattern = (self.pull_back.indptr, self.pull_back.indices)
-        order = elimination_order(*pattern, self.pull_back.groups) if self.bodies else None
-        return build_factorization(*pattern, self.model.linear_solver, order)
+        groups = getattr(self.pull_back, "groups", None)
+        order = None if groups is None else elimination_order(*pattern, groups)
+        factorization = build_factorization(*pattern, self.model.linear_solver, order)
+        self.system: ConstrainedSystem | UnconstrainedSystem
+        if self.hold.floats:
+            self.system = ConstrainedSystem(
+                factorization,
+                self.pull_back.diagonal,
+                self.embedding.mean_offset[self.active],
+                int(np.searchsorted(self.active, self.embedding.shift_unknown)),
+            )
+        else:  # what is held needs no constraint
+            self.system = UnconstrainedSystem(factorization, self.pull_back.diagonal)
 
     def bent(self, bend: Bend) -> BentCell:
         """The cell's energy as a function of z under a macroscopic bend."""
@@ -232,8 +223,7 @@ class BentCell:
         if problem.contact is not None:
             energies.append(problem.contact)
         found = [e.energy_parts(world.y) for e in energies]
-        if isinstance(world_map, BodyMap):
-            found.insert(len(problem.energies), np.array([world_map.elastic_energy(z)]))
+        found.insert(len(problem.energies), world_map.elastic_parts(z))
         parts = np.concatenate(found)
         forces = np.zeros_like(world.y)
         gradient = np.zeros(len(self.active))
@@ -242,8 +232,7 @@ class BentCell:
             for e in energies:
                 e.add_gradient(world.y, forces)
             gradient = world_map.pull_gradient(world, forces)
-            if isinstance(world_map, BodyMap):
-                gradient += world_map.elastic_gradient(z)
+            world_map.add_elastic_gradient(z, gradient)
             gradient = gradient[self.active]
         return CellState(z, world, parts, energy, forces, gradient)
 

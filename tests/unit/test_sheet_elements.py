@@ -39,10 +39,10 @@ def build_shell(curved: bool = False, direction: float = 0.3):
     return shell, rest
 
 
-def build_triangle(n_vectors: int, direction: float = 0.3):
-    """One linear triangle with a free edge, with (9) or without (6) edge angles, and its rest."""
+def build_triangle(direction: float = 0.3):
+    """One linear triangle with a free edge, with edge angles, and its rest."""
     shares, signs = np.array([[0.5, 1.0, 0.0]]), np.array([[1.0, 0.0, 1.0]])
-    stencils = EdgeStencils(POINTS[None, :3], np.arange(n_vectors)[None], shares, signs)
+    stencils = EdgeStencils(POINTS[None, :3], np.arange(9)[None], shares, signs)
     rest = np.zeros((9, 3))
     rest[:6, :2] = POINTS
     return SheetTriangles(stencils, LAW, material_direction=direction), rest
@@ -51,8 +51,7 @@ def build_triangle(n_vectors: int, direction: float = 0.3):
 BUILDERS = {
     "C1, flat": build_shell,
     "C1, curved": lambda: build_shell(True),
-    "edge angles": lambda: build_triangle(9),
-    "averaged normals": lambda: build_triangle(6),
+    "edge angles": lambda: build_triangle(),
 }
 
 

@@ -129,11 +129,14 @@ def test_lines_are_short_but_for_tables(page: str) -> None:
     assert [line for line in lines if len(line) > 110 and not line.startswith("|")] == []
 
 
-def test_validation_names_page_and_commit() -> None:
+def test_validation_names_pages_with_their_commits() -> None:
     """A number without the commit that it is of would pass for one of the present code."""
-    for name, behind in re.findall(r"`([a-z_]+\.md)`(,? ?\w*)", TEXTS["docs/validation.md"]):
-        assert re.fullmatch(r",\s\w{7}", behind) or behind == ",", name
-    assert "older than the present" in TEXTS["docs/validation.md"]
+    text = TEXTS["docs/validation.md"]
+    found = re.findall(r"`([a-z_]+\.md)`,\s+(\w{7})\b", text)
+    assert len(found) == len(re.findall(r"`[a-z_]+\.md`", text)) > 25
+    for name, commit in found:
+        signed = re.search(r", commit (\w+), sources", (BENCHMARKS / name).read_text())
+        assert signed is None or signed[1] == commit, name
 
 
 def test_numbers_of_the_journey_are_those_stored(shipped_results: Path) -> None:

@@ -53,7 +53,7 @@ def test_states_are_strain_and_curvature_in_the_materials_axes(direction):
     c, s = np.cos(direction), np.sin(direction)
     turn = np.array([[c, -s], [s, c]])
     strain = turn.T @ (f.T @ f) @ turn - np.eye(2)
-    for energy, rest in (build_shell(False, direction), build_triangle(9, direction)):
+    for energy, rest in (build_shell(False, direction), build_triangle(direction)):
         y = rest[:, :2] @ f.T
         y[6:] = 0.0 if len(rest) == 9 else y[6:]
         states = energy.states(y)

@@ -244,7 +244,7 @@ def test_field_list_tells_default_unit_and_bounds() -> None:
     assert "mm-1" in lines["sweep.curvatures"]
     assert "mm2" in lines["patterns.NAME.tile_area"]
     assert lines["mesh.along"].split()[1] == "mm"
-    assert lines["shapes.direction"].split()[1:7] == ["degree", "0", ">=", "0", "<", "180"]
+    assert lines["shape.samples.direction"].split()[1:7] == ["degree", "0", ">=", "0", "<", "180"]
 
 
 def test_field_list_has_every_field_that_a_file_may_set() -> None:

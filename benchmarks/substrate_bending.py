@@ -27,8 +27,6 @@ CASES = (
     (fs.SubstrateOptions("edge_angle"), "default", DEFAULT),
     (fs.SubstrateOptions("edge_angle"), "4 × 0.1", FINER),
     (fs.SubstrateOptions("edge_angle"), "8 × 0.05", FINEST),
-    (fs.SubstrateOptions("averaged_normals"), "default", DEFAULT),
-    (fs.SubstrateOptions("averaged_normals"), "4 × 0.1", FINER),
 )
 
 

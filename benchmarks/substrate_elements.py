@@ -1,4 +1,4 @@
-"""Substrate elements compared: smooth (C1) triangles, edge angles, averaged normals.
+"""Substrate elements compared: smooth (C1) triangles and edge angles.
 
     python benchmarks/substrate_elements.py [--output FILE]
 
@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from crossed import cross_gaps
-from hinge import hinge_tables
 from report import output_file, report
 
 import flexscale as fs
@@ -159,16 +158,14 @@ def family_report(family: str) -> list[str]:
     truth = smooth[-1].values
     angles = ladder(family, "edge_angle", UNIFORM)
     finest = ladder(family, "edge_angle", [FINEST])
-    averaged = ladder(family, "averaged_normals", UNIFORM)
     lines = [f"## {name.capitalize()}", "", "Errors are distances from the finest C1 mesh.", ""]
     lines += table("C1", family, smooth, truth)
     lines += table("Edge angles, all sizes halved", family, angles + finest, truth)
-    lines += table("Averaged normals, all sizes halved", family, averaged, truth)
     crossed = {}
-    for element in ("edge_angle", "averaged_normals"):
+    for element in ("edge_angle",):
         crossed[element] = ladder(family, element, UNIFORM[:3], crossed=True)
     both = [row for rows in crossed.values() for row in rows]
-    lines += table("Both on crossed diagonals", family, both, truth)
+    lines += table("On crossed diagonals", family, both, truth)
     across = [row for element in crossed for row in ladder(family, element, ACROSS)]
     lines += table("Refined across the gap only", family, across, truth)
     paper = [row for element in crossed for c in (False, True)
@@ -176,7 +173,6 @@ def family_report(family: str) -> list[str]:
     lines += table("As fine as the paper's mesh may be", family, paper, truth)
     lines += ["### Limits", ""]
     lines += [f"- edge angles: {limit_of(angles[1:])}; C1: {truth[-1]:.5g} D, from above"]
-    lines += [f"- averaged normals: {limit_of(averaged[1:])}"]
     for element, rows in crossed.items():
         lines.append(f"- {element}, crossed diagonals: {limit_of(rows)}")
     lines += ["", "### Cost at equal error", "", *equal_cost(angles + finest, smooth, truth[-1])]
@@ -202,7 +198,7 @@ def main() -> None:
     output = output_file(__doc__)
     solve_tangent(CellProblem.from_pattern(fs.Pattern(fs.Tiling("IH76"))))  # compiles
     measure("IH76", "edge_angle", options(2, 0.8, 0.8))  # compiles
-    rows = ["# Substrate elements", "", *hinge_tables(), *paper_note()]
+    rows = ["# Substrate elements", "", *paper_note()]
     for family in FAMILIES:
         rows += family_report(family)
     report(rows, output)

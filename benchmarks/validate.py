@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import functools
 import hashlib
 import re
 import subprocess
@@ -22,25 +23,28 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from flexscale import PUBLIC_HOMES
+from flexscale.steps.catalog import STEPS
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ROOT / "results" / "reference" / "benchmarks"
-CELL = ("tilings", "patterns", "mesh", "mechanics", "embedding", "solve", "homogenize", "finite")
-EVERYTHING = (*CELL, "macro", "sheets", "synthesis", "fabricate", "datasets", "plotting", "steps")
-SHEET = ("mechanics", "embedding", "solve", "macro", "sheets")
 FOOTER = re.compile(r"\n\*Made by `(.+)` in (\d+) s, commit (\w+), sources (\w+)\.\*\n?$")
 
 
 @dataclass(frozen=True)
 class Page:
-    """A benchmark: the rooms of flexscale that its numbers depend on, and whether it reads sweeps.
+    """A benchmark, and what it reads besides what it imports.
 
-    `reads` names the workflow whose sweeps it reads. One that keeps its own results (`own_output`)
-    takes no --output.
+    Attributes
+    ----------
+    reads : the workflow whose sweeps it reads.
+    runs : whether it runs the command line, and so depends on the whole package.
+    own_output : it keeps its own results, and takes no --output.
     """
 
     name: str
-    rooms: tuple[str, ...] = CELL
     reads: str = ""
+    runs: bool = False
     own_output: bool = False
 
     @property
@@ -58,12 +62,13 @@ class Page:
         return (ast.get_docstring(ast.parse(self.script.read_text())) or "").splitlines()[0]
 
     def sources(self) -> str:
-        """Digest of what its numbers depend on."""
-        digest = hashlib.sha256(self.script.read_bytes())
-        for room in self.rooms:
-            for path in sorted((ROOT / "flexscale" / room).rglob("*")):
-                if path.suffix in (".py", ".json", ".yaml"):
-                    digest.update(path.read_bytes())
+        """Digest of what its numbers depend on: the code, docstrings and comments apart, of all
+        modules that it imports, and of the versions of the steps if it runs or reads their work."""
+        digest = hashlib.sha256()
+        for path in sorted(imported_files(self.script, everything=self.runs)):
+            digest.update(code_of(path).encode())
+        if self.reads or self.runs:
+            digest.update(str({step.name: step.version for step in STEPS.values()}).encode())
         return digest.hexdigest()[:12]
 
     def footer(self) -> tuple[str, ...]:
@@ -78,10 +83,10 @@ class Page:
 
 
 ALL = (
-    Page("tiling_families", ("tilings",)),
-    Page("mesh_all_families", ("tilings", "patterns", "mesh")),
+    Page("tiling_families"),
+    Page("mesh_all_families"),
     Page("named_patterns"),
-    Page("native_places", ("tilings", "patterns", "mesh")),
+    Page("native_places"),
     Page("stiffness_convergence"),
     Page("mesh_convergence", own_output=True),
     Page("scale_elements"),
@@ -96,20 +101,64 @@ ALL = (
     Page("newton_iteration"),
     Page("solver_speed"),
     Page("supercells"),
-    Page("fit_errors", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("fitted_sheet", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("synthesis", (*CELL, "macro", "sheets", "fabricate", "synthesis"), reads="named_patterns"),
-    Page("rigs", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("gap_models", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("native_stage", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("large_sheet", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("recompute", (*CELL, "macro", "sheets"), reads="named_patterns"),
-    Page("macro_shell", SHEET),
-    Page("registry", ("datasets",)),
-    Page("kills", ("datasets", "steps")),
-    Page("fabricate", ("tilings", "patterns", "fabricate")),
-    Page("fuzz", EVERYTHING),
+    Page("fit_errors", reads="named_patterns"),
+    Page("fitted_sheet", reads="named_patterns"),
+    Page("synthesis", reads="named_patterns"),
+    Page("rigs", reads="named_patterns"),
+    Page("gap_models", reads="named_patterns"),
+    Page("native_stage", reads="named_patterns"),
+    Page("large_sheet", reads="named_patterns"),
+    Page("recompute", reads="named_patterns"),
+    Page("macro_shell"),
+    Page("registry", runs=True),
+    Page("kills", runs=True),
+    Page("fabricate"),
+    Page("fuzz", runs=True),
 )
+
+
+def imported_files(script: Path, *, everything: bool = False) -> set[Path]:
+    """The script and all modules of flexscale and benchmarks that it imports, directly or not."""
+    package = ROOT / "flexscale"
+    found: set[Path] = {script, *(package.rglob("*.py") if everything else ())}
+    waiting = list(found)
+    while waiting:
+        for name in _imports_of(waiting.pop()):
+            for home in (ROOT, script.parent):
+                path = home.joinpath(*name.split("."))
+                module = path.with_suffix(".py") if path.with_suffix(".py").is_file() else None
+                if module is None and (path / "__init__.py").is_file() and path != package:
+                    module = path / "__init__.py"
+                if module is not None and module not in found:
+                    found.add(module)
+                    waiting.append(module)
+    return found
+
+
+@functools.cache
+def _imports_of(path: Path) -> set[str]:
+    """Dotted names that a module imports, at any depth; public names stand for their homes."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "fs":
+            names.add(PUBLIC_HOMES.get(node.attr, ""))
+    return names - {""}
+
+
+@functools.cache
+def code_of(path: Path) -> str:
+    """What a module does, whatever its comments and docstrings say and however it is laid out."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        first = body[0] if isinstance(body, list) and body else None
+        if isinstance(first, ast.Expr) and isinstance(getattr(first.value, "value", None), str):
+            body[0] = ast.Pass()
+    return ast.dump(tree)
 
 
 def run_sweeps(workflow: str, results: Path) -> None:

@@ -80,7 +80,7 @@ __all__ = [
 ]
 
 #: Public name -> module that holds it; a module itself where the two are the same thing.
-_HOMES = {
+PUBLIC_HOMES = {
     "PETG": "flexscale.patterns.material",
     "TPU": "flexscale.patterns.material",
     "GapModel": "flexscale.macro.gap_model",
@@ -119,8 +119,8 @@ _HOMES = {
 def __getattr__(name: str) -> object:
     if name == "plot":
         value: object = importlib.import_module("flexscale.plotting")
-    elif name in _HOMES:
-        value = getattr(importlib.import_module(_HOMES[name]), name)
+    elif name in PUBLIC_HOMES:
+        value = getattr(importlib.import_module(PUBLIC_HOMES[name]), name)
     else:
         raise AttributeError(f"module 'flexscale' has no attribute {name!r}")
     globals()[name] = value

@@ -25,7 +25,6 @@ def build_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of any kind from arrays named as in its schema, cast to the schema's types.
 
@@ -35,7 +34,6 @@ def build_dataset(
     arrays : coordinates and variables by name; for a cell the arrays of a `PeriodicMesh`.
     scalars : "family", "pattern" and what is known of `variables.SCALARS`.
     config : resolved configuration, JSON-able, enough to compute the dataset again.
-    recipe : defaults to the step called as the kind, with `config` as its parameters.
 
     Raises
     ------
@@ -55,8 +53,7 @@ def build_dataset(
         raise SchemaError(f"The arrays of a {schema.name} dataset do not fit: {error}.") from error
     coordinates = {item.name for item in schema.coordinates} | set(scalars)
     dataset = dataset.set_coords(sorted(coordinates & set(dataset.variables)))
-    if recipe is None:
-        recipe = Recipe(schema.kind, schema.version, config)
+    recipe = Recipe(schema.kind, schema.version, config)  # until a step publishes it with its own
     dataset.attrs = global_attributes(schema, recipe, [], config)
     return dataset
 

@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.sheet_variables import COUNTS, Measured, number
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 
@@ -76,7 +75,6 @@ def build_rig_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
     numbers: Mapping[str, int] | None = None,
 ) -> xr.Dataset:
     """Dataset of kind rig, or native_rig.
@@ -89,11 +87,11 @@ def build_rig_dataset(
         "shortening" in mm, increasing), and its sizes and variables by the names of the schema
         without the device's. Variables are (n_sides, n_axis).
     numbers : of no device, by the names of the schema.
-    scalars, config, recipe : as in `build_sweep_dataset`.
+    scalars, config : as in `build_sweep_dataset`.
     """
     values: dict[str, Any] = {"side": list(sides), **(numbers or {})}
     for device, arrays in devices.items():
         for name, value in arrays.items():
             own = name in ("angle", "shortening")
             values[name if own else f"{device}_{name}"] = value
-    return build_dataset(schema, values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(schema, values, scalars=scalars, config=config)

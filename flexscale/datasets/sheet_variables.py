@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 from flexscale.errors import SchemaError
@@ -127,7 +126,6 @@ def build_sheet_dataset(
     direction: float,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of kind sheet, or native_sheet.
 
@@ -140,7 +138,7 @@ def build_sheet_dataset(
         wherever `status` is not 0.
     length, width : mm.
     direction : degree, of the length in the pattern's coordinates.
-    scalars, config, recipe : as in `build_sweep_dataset`.
+    scalars, config : as in `build_sweep_dataset`.
     """
     values = {
         **arrays,
@@ -149,4 +147,4 @@ def build_sheet_dataset(
         "width": width,
         "direction": direction,
     }
-    return build_dataset(schema, values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(schema, values, scalars=scalars, config=config)

@@ -3,17 +3,13 @@
 The sheet's unknowns, behind those of the scales:
 
 - w of every free substrate vertex (3);
-- with edge angles, xi of every gap edge; it takes three places in z, of which two are held at 0.
+- the angle xi of every gap edge; it takes three places in z, of which two are held at 0.
 
 Across an outline edge a gap triangle meets the triangle under the scale. A vertex of that triangle
 follows the scale's base as it does elsewhere if it lies on the outline; one strictly under the
 scale follows the affine motion that is fitted to the base around the middle of the edge, so that
-both sides of the bond feel the base over the same radius. The two kinds of sheet differ there:
-
-- with edge angles the normal of an outline edge is the one of the triangle under the scale, which
-  is bonded and does not bend;
-- averaged normals lie halfway between the two triangles, so the one under the scale bends too, by
-  its outline edges alone. Its share depends on its size: that is a fault of averaged normals.
+both sides of the bond feel the base over the same radius. The normal of an outline edge is the one
+of the triangle under the scale, which is bonded and does not bend.
 
 PAPER: shape operators on all triangles, under scales also. WE: only where the sheet can bend. WHY:
 what is bonded to a scale turns with it; a bending energy there would soften every hinge by the size
@@ -40,7 +36,6 @@ class EdgeAngleCell(CellEmbedding):
     Parameters
     ----------
     mesh, bond_radius, contact_edge, tets : see `CellEmbedding`.
-    angles : whether edges have an angle xi, or averaged normals.
 
     Attributes
     ----------
@@ -58,9 +53,7 @@ class EdgeAngleCell(CellEmbedding):
         bond_radius: float = 0.0,
         contact_edge: float | None = 0.0,
         tets: bool = True,
-        angles: bool = True,
     ) -> None:
-        self.angles = angles
         self._mate, self._sign = _mates(mesh)
         super().__init__(mesh, bond_radius, contact_edge, tets)
 
@@ -71,7 +64,7 @@ class EdgeAngleCell(CellEmbedding):
         self.vertex_node[free] = start + 3 * np.arange(len(free))
         start += 3 * len(free)
         self.edge_node = np.full(mesh.n_edges, -1, dtype=np.int64)
-        gap = np.flatnonzero(mesh.edge_scale == GAP_EDGE) if self.angles else np.zeros(0, int)
+        gap = np.flatnonzero(mesh.edge_scale == GAP_EDGE)
         self.edge_node[gap] = start + 3 * np.arange(len(gap))
         return start + 3 * len(gap)
 
@@ -84,48 +77,32 @@ class EdgeAngleCell(CellEmbedding):
 
     def _add_sheet(self, rows: Rows) -> None:
         mesh = self.mesh
-        covered = mesh.triangle_scale >= 0
-        gap, bending = np.flatnonzero(~covered), np.flatnonzero(~covered)
-        if not self.angles:
-            on_outline = mesh.edge_scale[mesh.triangle_edges] >= 0
-            bending = np.concatenate([gap, np.flatnonzero(covered & on_outline.any(axis=1))])
-        self.n_gap = len(gap)
-        vectors = np.empty((len(bending), 9 if self.angles else 6), dtype=np.int64)
+        bending = np.flatnonzero(mesh.triangle_scale < 0)
+        self.n_gap = len(bending)
+        vectors = np.empty((len(bending), 9), dtype=np.int64)
         shares, signs = np.zeros((2, len(bending), 3))
         for e, triangle in enumerate(bending.tolist()):
             found = list(self._corner_rows(rows, triangle))
             for i in range(3):
                 edge = int(mesh.triangle_edges[triangle, i])
-                row = found[(i + 2) % 3]  # of no effect where the share is 0
-                if mesh.edge_scale[edge] >= 0:
-                    shares[e, i] = 1.0 if self.angles else 0.5
-                elif not covered[triangle]:
-                    shares[e, i] = 0.5
-                if shares[e, i] > 0.0:
-                    row = self._across_row(rows, triangle, i)
-                    # Of three triangles around a vertex, each meets one vertex across two edges.
-                    row = rows.copy(row) if row in found else row
-                found.append(row)
-            if self.angles:
-                for i in range(3):
-                    edge = int(mesh.triangle_edges[triangle, i])
-                    signs[e, i] = self._sign[triangle, i] if self.edge_node[edge] >= 0 else 0.0
-                    found.append(self._angle_row(rows, edge) if signs[e, i] else found[i])
+                shares[e, i] = 1.0 if mesh.edge_scale[edge] >= 0 else 0.5
+                row = self._across_row(rows, triangle, i)
+                # Of three triangles around a vertex, each meets one vertex across two edges.
+                found.append(rows.copy(row) if row in found else row)
+            for i in range(3):
+                edge = int(mesh.triangle_edges[triangle, i])
+                signs[e, i] = self._sign[triangle, i] if self.edge_node[edge] >= 0 else 0.0
+                found.append(self._angle_row(rows, edge) if signs[e, i] else found[i])
             vectors[e] = found
         corners = mesh.corner_positions()[bending]
         self.stencils = EdgeStencils(corners, vectors, shares, signs)
 
     def _corner_rows(self, rows: Rows, triangle: int) -> Iterator[int]:
-        """Rows of a triangle's corners, as its outline edge sees them if it is covered."""
+        """Rows of a triangle's corners."""
         mesh = self.mesh
-        edges = np.flatnonzero(mesh.edge_scale[mesh.triangle_edges[triangle]] >= 0)
         for corner in range(3):
-            if mesh.triangle_scale[triangle] >= 0:
-                offset = mesh.triangle_edge_offsets[triangle, edges[0]]
-                yield self._seen_row(rows, triangle, int(edges[0]), corner, offset)
-            else:
-                vertex = int(mesh.triangles[triangle, corner])
-                yield self._position_row(rows, vertex, mesh.triangle_offsets[triangle, corner])
+            vertex = int(mesh.triangles[triangle, corner])
+            yield self._position_row(rows, vertex, mesh.triangle_offsets[triangle, corner])
 
     def _across_row(self, rows: Rows, triangle: int, i: int) -> int:
         """Row with the position of the vertex across edge i of a triangle."""

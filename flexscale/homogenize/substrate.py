@@ -24,8 +24,7 @@ def build_embedding(
     """Unknowns of a cell; lengths in mm; without contact where its edge is None."""
     if options.element == "c1":
         return C1Cell(mesh, bond_radius, contact_edge, tets)
-    angles = options.element == "edge_angle"
-    return EdgeAngleCell(mesh, bond_radius, contact_edge, tets, angles)
+    return EdgeAngleCell(mesh, bond_radius, contact_edge, tets)
 
 
 def build_substrate(

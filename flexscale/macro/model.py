@@ -34,8 +34,6 @@ from flexscale.sides import SIDES
 if TYPE_CHECKING:
     import xarray as xr
 
-    from flexscale.datasets.identity import Recipe
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MacroModel:
@@ -188,9 +186,9 @@ class MacroModel:
     def _side(self, side: str) -> int:
         return self.sides.index(require_choice(side, "side of the model", self.sides))
 
-    def to_dataset(self, recipe: Recipe | None = None) -> xr.Dataset:
+    def to_dataset(self) -> xr.Dataset:
         """Dataset of kind fit; all of the model is in it."""
-        return write_model(self, recipe)
+        return write_model(self)
 
     @classmethod
     @checked(dataset=DATASET)

@@ -21,7 +21,6 @@ from flexscale.sides import SOME_SIDES
 if TYPE_CHECKING:
     import xarray as xr
 
-    from flexscale.datasets.identity import Recipe
     from flexscale.macro.model import MacroModel
 
 #: Axes that are the same in all datasets of this kind.
@@ -29,7 +28,7 @@ _FIXED = {"parameter": PARAMETERS, "assessment": ASSESSMENTS, "statistic": STATI
 _ERRORS = tuple(FitErrors.__dataclass_fields__)
 
 
-def write_model(model: MacroModel, recipe: Recipe | None = None) -> xr.Dataset:
+def write_model(model: MacroModel) -> xr.Dataset:
     """Dataset of kind fit; all of the model is in it."""
     sampled, fitted = [], []
     for side in range(len(model.sides)):
@@ -62,7 +61,6 @@ def write_model(model: MacroModel, recipe: Recipe | None = None) -> xr.Dataset:
         arrays,
         scalars=model.labels,
         config=model.config,
-        recipe=recipe,
     )
 
 

@@ -24,9 +24,7 @@ nothing. With c' = 1 + c^2/4 and c'' = c c'/2,
     dE  = sum g_i dphi_i,   g_i = (K c)_i c'_i
     d2E = sum (K_ij c'_i c'_j + delta_ij (K c)_i c''_i) dphi_i (x) dphi_j + sum g_i d2phi_i.
 
-Without edge angles (xi = 0) these are averaged normals (Gingold, Secord, Han, Grinspun and Zorin,
-"A discrete model for inelastic deformation of thin shells", 2004): zigzags of the faces' normals
-then cost nothing, and no refinement makes up for that.
+Without the angles zigzags of the faces' normals cost nothing, and no refinement makes up for that.
 """
 
 from __future__ import annotations
@@ -51,8 +49,7 @@ def _turns(y, rows, shares, signs, frames, sizes, c):
         p, q = y[rows[i]], y[rows[(i + 1) % 3]]
         a, b = y[rows[(i + 2) % 3]], y[rows[3 + i]]
         turn = shares[i] * edge_frame(p, q, a, b, frames[i], sizes[i])
-        if len(rows) == 9:
-            turn += signs[i] * y[rows[6 + i], 0]
+        turn += signs[i] * y[rows[6 + i], 0]
         if not abs(turn) < np.pi:
             return False
         c[i] = 2.0 * np.tan(0.5 * turn)
@@ -102,8 +99,7 @@ def _gradient(y, vectors, stiffness, shares, signs, out):
                 continue
             g = moment[i] * rate[i]
             add_angle_gradient(frames[i], sizes[i], g * shares[t, i], local_nodes(i), local)
-            if vectors.shape[1] == 9:
-                out[vectors[t, 6 + i], 0] += g * signs[t, i]
+            out[vectors[t, 6 + i], 0] += g * signs[t, i]
         for k in range(6):
             for r in range(3):
                 out[vectors[t, k], r] += local[k, r]
@@ -130,8 +126,7 @@ def _hessian(y, vectors, stiffness, shares, signs, out):
             g = moment[i] * rate[i] * shares[t, i]
             add_angle_gradient(frames[i], sizes[i], shares[t, i], local_nodes(i), slopes[i])
             add_angle_hessian(frames[i], sizes[i], g, local_nodes(i), full)
-            if n == 9:
-                slopes[i, 6 + i, 0] = signs[t, i]
+            slopes[i, 6 + i, 0] = signs[t, i]
         for i in range(3):
             for k in range(n):
                 for r in range(3):
@@ -159,7 +154,7 @@ class EdgeStencils:
     ----------
     corners : (n, 3, 2) rest coordinates, counterclockwise, mm.
     vectors : (n, 9) rows of y: the corners, the vertices across the edges 0-1, 1-2, 2-0, and rows
-        whose first component is the edge's xi [rad]; (n, 6) without edge angles.
+        whose first component is the edge's xi [rad].
     shares : (n, 3) share of the dihedral angle in the turn of each edge; 0 where nothing turns.
     signs : (n, 3) s_i.
     """

@@ -68,14 +68,12 @@ class SheetTriangles:
         return states
 
     def set_edge_angles(self, y: FloatArray, normals: FloatArray) -> None:
-        """Set the edge angles in y so that edges have given normals, (n, 3, 3); none without.
+        """Set the edge angles in y so that edges have given normals, (n, 3, 3).
 
         The turn of a side is from its face's normal to the edge's, about the edge and positive
         where the sheet rises outward; xi is the mean of s phi over an edge's sides, since theta/2
         is the same on both.
         """
-        if self.vectors.shape[1] != 9:
-            return
         corners = y[self.vectors[:, :3]]
         spans = np.roll(corners, -1, axis=1) - corners
         faces = np.cross(spans[:, 0], spans[:, 1])

@@ -8,7 +8,7 @@ from typing import Any
 from flexscale.checks import checked, choice
 from flexscale.errors import ConfigError
 
-SUBSTRATE_ELEMENTS = ("c1", "edge_angle", "averaged_normals")
+SUBSTRATE_ELEMENTS = ("c1", "edge_angle")
 #: Energies of `shell_law` and of `layered_law`.
 BENDING_MEASURES = ("turn", "layers")
 DEFAULT_MEASURE = "layers"
@@ -24,8 +24,8 @@ class SubstrateOptions:
 
     Attributes
     ----------
-    element : "c1" smooth triangles; the paper's linear triangles, bent by "edge_angle" (one normal
-        angle per edge) or by "averaged_normals" (none), for comparison: they need many more.
+    element : "c1" smooth triangles; or the paper's linear triangles, bent by "edge_angle" (one
+        normal angle per edge), for comparison: they need many more.
     bending_measure : of "c1" triangles: "layers" integrates the material's energy over the
         thickness, so that no fiber can be pressed to nothing; with "turn" a bending energy is
         added to that of the midsurface, quadratic in the turn of the normal per rest length. They

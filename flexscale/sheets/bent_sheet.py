@@ -52,7 +52,7 @@ class SheetOptions:
 
     Attributes
     ----------
-    element : "c1", or the paper's linear triangles with "edge_angle" or "averaged_normals".
+    element : "c1", or the paper's linear triangles with "edge_angle".
     size : mm, sides of the triangles.
     strip : mm, length of the end strips; 0 for the end edges alone. Whole vertices are gripped.
     turning : whether the strip that slides turns with the arc.

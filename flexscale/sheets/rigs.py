@@ -19,7 +19,7 @@ class RigOptions:
 
     Attributes
     ----------
-    element : "c1", or the paper's linear triangles with "edge_angle" or "averaged_normals".
+    element : "c1", or the paper's linear triangles with "edge_angle".
     size : mm, sides of the triangles.
     steps : equal load steps from the flat disc to the full indentation of the mandrel; the stage
         goes from one shortening to the next.

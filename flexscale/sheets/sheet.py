@@ -78,7 +78,7 @@ def build_sheet(
     ----------
     mesh : triangles.
     law : energy per rest area.
-    element : "c1", or the paper's linear triangles with "edge_angle" or "averaged_normals".
+    element : "c1", or the paper's linear triangles with "edge_angle".
     surface : rest shape over the mesh; curved ones for "c1" only.
     clamped : (n_vertices,) vertices that will be held or gripped with all around them; linear
         triangles need to know.
@@ -108,12 +108,11 @@ def build_sheet(
             "curved one, or draw the mesh where it lies."
         )
     held = np.zeros(mesh.n_vertices, dtype=bool) if clamped is None else clamped
-    linear = linear_rows(mesh, held, element == "edge_angle")
+    linear = linear_rows(mesh, held)
     rows, rest = linear.rows, linear.rows.place(plane)
     energy = SheetTriangles(linear.stencils, law, material_direction=material_direction)
     absent = np.zeros(rest.shape, dtype=bool)
     absent[rows.kinds == ANGLE] = True
-    if element == "edge_angle":
-        turning = linear.stencils.vectors[:, 6:][linear.stencils.signs != 0.0]
-        absent[turning, 0] = False
+    turning = linear.stencils.vectors[:, 6:][linear.stencils.signs != 0.0]
+    absent[turning, 0] = False
     return Sheet(mesh, rows, energy, rest, absent)

@@ -155,18 +155,17 @@ class LinearRows:
     stencils: EdgeStencils
 
 
-def linear_rows(mesh: SheetMesh, clamped: BoolArray, angles: bool) -> LinearRows:
+def linear_rows(mesh: SheetMesh, clamped: BoolArray) -> LinearRows:
     """Rows of a sheet of linear triangles: vertices, edge angles, ghosts.
 
     Parameters
     ----------
     clamped : (n_vertices,) vertices that are held with all around them; a boundary edge between two
         of them has a ghost.
-    angles : whether edges have an angle, or averaged normals.
     """
     n, sides = mesh.n_vertices, mesh.triangle_edges
     ghosted = mesh.boundary & clamped[mesh.edges].all(axis=1)
-    ghost_row = n + (len(mesh.edges) if angles else 0) + np.cumsum(ghosted) - 1
+    ghost_row = n + len(mesh.edges) + np.cumsum(ghosted) - 1
     across, signs = _across(mesh)
     beyond = across < 0
     shares = np.where(beyond, np.where(ghosted[sides], 1.0, 0.0), 0.5)
@@ -176,11 +175,10 @@ def linear_rows(mesh: SheetMesh, clamped: BoolArray, angles: bool) -> LinearRows
     vectors = np.concatenate([mesh.triangles, neighbors], axis=1)
     numbers = [np.stack([np.arange(n)] * 2, axis=1)]
     points, kinds = [mesh.points], [np.full(n, POSITION)]
-    if angles:
-        vectors = np.concatenate([vectors, n + sides], axis=1)
-        numbers.append(mesh.edges)
-        points.append(mesh.points[mesh.edges].mean(axis=1))
-        kinds.append(np.full(len(mesh.edges), ANGLE))
+    vectors = np.concatenate([vectors, n + sides], axis=1)
+    numbers.append(mesh.edges)
+    points.append(mesh.points[mesh.edges].mean(axis=1))
+    kinds.append(np.full(len(mesh.edges), ANGLE))
     numbers.append(mesh.edges[ghosted])
     points.append(mesh.points[mesh.edges[ghosted]].mean(axis=1))
     kinds.append(np.full(int(ghosted.sum()), POSITION))

@@ -26,7 +26,6 @@ OBLIQUE = np.array([[3.0, 0.0], [1.0, 2.5]])
 NU = fs.TPU.poisson_ratio
 PLATE = D * np.array([[1.0, NU, 0.0], [NU, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - NU)]])
 EDGE_ANGLE = fs.SubstrateOptions("edge_angle")
-AVERAGED = fs.SubstrateOptions("averaged_normals")
 
 
 @pytest.fixture(scope="module")
@@ -88,16 +87,6 @@ def test_a_vertex_of_three_triangles():
     assert relative_error(product, curve) < 1e-8
 
 
-def test_averaged_normals_are_no_plate():
-    """Crossed diagonals: up to twice as stiff as the plate, and not isotropic; no mesh cures it."""
-    model = CellModel.of_pattern(square(), fs.NativeModel(substrate=AVERAGED))
-    for size in (1.5, 0.75):
-        problem = CellProblem(build_bare_mesh(OBLIQUE, size), model)
-        a = solve_tangent(problem).stiffness(np.arange(0.0, 180.0, 15.0)) / D
-        assert a.max() > 1.5
-        assert np.ptp(a) > 0.3
-
-
 def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
     """Chords of a circle: second order in the element size, to the same law at 0.1 mm-1."""
 
@@ -116,7 +105,7 @@ def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
 
 
 @pytest.mark.parametrize("make", [square, pytest.param(hexagon, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("options", [EDGE_ANGLE, AVERAGED])
+@pytest.mark.parametrize("options", [EDGE_ANGLE])
 def test_derivatives_of_the_bent_cell(cell, make, options):
     """Gradient, unprojected Hessian, moment and load rate at a random state, in all unknowns."""
     problem = cell(make, options)
@@ -151,15 +140,6 @@ def test_edge_angles_make_exact_hinges():
         model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()), substrate=EDGE_ANGLE),
     )
     assert tangent.stiffness(0.0) == pytest.approx(24.8 * D, rel=0.02)
-
-
-def test_averaged_normals_halve_a_hinge():
-    """Zigzags of the faces' normals cost nothing but what the rims under the scales do."""
-    tangent = fs.tangent_stiffness(
-        square(scale_material=RIGID),
-        model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()), substrate=AVERAGED),
-    )
-    assert 0.3 < tangent.stiffness(0.0) / (24.8 * D) < 0.7
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from flexscale.patterns.pattern import Pattern
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.blocks import PatternBlock
 from flexscale.steps.catalog import FIGURES
-from flexscale.steps.experiment import Experiment, load_experiment, parse_experiment
+from flexscale.steps.experiment import ExperimentFile, load_experiment, parse_experiment
 from flexscale.steps.option_blocks import option_fields
 from flexscale.steps.plan import build_plan
 from flexscale.steps.summary import describe_experiment
@@ -238,18 +238,18 @@ def test_option_blocks_take_units_and_know_what_they_mean() -> None:
 
 
 def test_field_list_tells_default_unit_and_bounds() -> None:
-    lines = {line.split()[0]: line for line in describe_experiment(Experiment).splitlines()}
+    lines = {line.split()[0]: line for line in describe_experiment(ExperimentFile).splitlines()}
     assert lines["patterns.NAME.gap"].split()[1:5] == ["mm", "0.4", ">=", f"{LENGTHS[0]:g}"]
     assert "PETG" in lines["patterns.NAME.scale_material"]
     assert "mm-1" in lines["sweep.curvatures"]
     assert "mm2" in lines["patterns.NAME.tile_area"]
     assert lines["mesh.along"].split()[1] == "mm"
-    assert lines["shapes.direction"].split()[1:7] == ["degree", "0", ">=", "0", "<", "180"]
+    assert lines["shape.samples.direction"].split()[1:7] == ["degree", "0", ">=", "0", "<", "180"]
 
 
 def test_field_list_has_every_field_that_a_file_may_set() -> None:
     """Of blocks and of options of lower floors alike, with a meaning; bounds are those checked."""
-    lines = {line.split()[0]: line for line in describe_experiment(Experiment).splitlines()}
+    lines = {line.split()[0]: line for line in describe_experiment(ExperimentFile).splitlines()}
     classes = [MeshOptions, ContactOptions, SubstrateOptions, ScaleOptions, SolverOptions]
     for block, options in zip(
         ("mesh", "contact", "substrate", "scales", "solver"), classes, strict=True
@@ -260,7 +260,7 @@ def test_field_list_has_every_field_that_a_file_may_set() -> None:
             assert field.meaning
             assert field.bounds in lines[f"{block}.{field.name}"]
             assert field.bounds or field.choices or isinstance(field.default, bool)
-    for name in Experiment.model_fields:
+    for name in ExperimentFile.model_fields:
         assert len(lines[name].split()) > 1
     assert lines["mesh.scale_layers"].split()[1:6] == ["7", ">=", "1", "<=", "64"]
     with pytest.raises(BadInputError, match="64"):
@@ -268,7 +268,7 @@ def test_field_list_has_every_field_that_a_file_may_set() -> None:
 
 
 def test_names_are_told_from_the_list_they_are_checked_with() -> None:
-    lines = {line.split()[0]: line for line in describe_experiment(Experiment).splitlines()}
+    lines = {line.split()[0]: line for line in describe_experiment(ExperimentFile).splitlines()}
     for place, names in {
         "figures": FIGURES,
         "sweep.sides": ("closing", "opening"),

@@ -125,7 +125,7 @@ def test_fit_of_a_parabola_at_a_straight_outline() -> None:
 def test_spread_bonds_have_the_symmetry_of_the_tile(name: str) -> None:
     """A field carried to the tile by a symmetry has there the value and gradient of its image."""
     pattern = SHAPES[name][0]
-    mesh = mesh_of(name)
+    mesh = build_mesh(pattern, FLAT.finer(0.5))
     assert np.array_equal(pattern.copies[0].placement.linear, np.eye(2))
     shift = pattern.copies[0].placement.translation
     own = outline(mesh)[mesh.vertex_scale[outline(mesh)] == 0]

@@ -44,9 +44,9 @@ def test_bending_measures_are_for_c1_triangles():
 
 
 def test_options_come_back_from_their_config():
-    options = fs.SubstrateOptions("averaged_normals")
+    options = fs.SubstrateOptions("edge_angle")
     assert fs.SubstrateOptions(**options.to_config()) == options
-    assert options.to_config() == {"element": "averaged_normals"}  # it has no choice of measure
+    assert options.to_config() == {"element": "edge_angle"}  # it has no choice of measure
     assert fs.SubstrateOptions().bending_measure == "layers"
 
 

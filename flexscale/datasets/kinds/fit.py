@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
 from flexscale.datasets.fit_values import ONSET_QUANTITIES, PARAMETERS, fit_parameters
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.mesh_variables import array
 from flexscale.datasets.sample_checks import ROUNDING, check_axis
 from flexscale.datasets.stiffness import (
@@ -174,7 +173,6 @@ def build_fit_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of kind fit.
 
@@ -183,7 +181,7 @@ def build_fit_dataset(
     sides : of "closing", "opening".
     directions : (n,) degree, increasing.
     arrays : variables by the names of the schema; the parameters are a, b, kappa_0, in this order.
-    scalars, config, recipe : as in `build_sweep_dataset`.
+    scalars, config : as in `build_sweep_dataset`.
     """
     values = {
         **arrays,
@@ -197,4 +195,4 @@ def build_fit_dataset(
         "assessment": list(ASSESSMENTS),
         "statistic": list(STATISTICS),
     }
-    return build_dataset(FIT, values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(FIT, values, scalars=scalars, config=config)

@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.mesh_variables import array
 from flexscale.datasets.sample_checks import ROUNDING, check_axis, check_sides
 from flexscale.datasets.stiffness import BENDING, IN_PLANE, VOIGT, check_stiffness, matrix
@@ -101,7 +100,6 @@ def build_gap_model_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of kind gap_model; onsets that are infinite become nan.
 
@@ -110,7 +108,7 @@ def build_gap_model_dataset(
     sides : of "closing", "opening".
     directions : (n,) degree, increasing, of the onsets.
     arrays : variables by the names of the schema.
-    scalars, config, recipe : as in `build_dataset`.
+    scalars, config : as in `build_dataset`.
     """
     onset = np.asarray(arrays["onset"], dtype=float)
     values = {
@@ -122,4 +120,4 @@ def build_gap_model_dataset(
         "component": list(COMPONENTS),
         "other_component": list(COMPONENTS),
     }
-    return build_dataset(GAP_MODEL, values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(GAP_MODEL, values, scalars=scalars, config=config)

@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.sample_checks import (
     ROUNDING,
     check_axis,
@@ -160,7 +159,6 @@ def build_sweep_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of kind sweep/1.
 
@@ -177,7 +175,6 @@ def build_sweep_dataset(
         Real values are set to nan wherever `status` is not 0.
     scalars : "family", "pattern" and what is known of `variables.SCALARS`.
     config : resolved configuration, JSON-able, enough to compute the sweep again.
-    recipe : defaults to step "sweep" with `config` as its parameters.
     """
     sides = [str(side) for side in sides]
     angles = np.asarray(directions, dtype=float)
@@ -200,7 +197,7 @@ def build_sweep_dataset(
         direction_rad=np.deg2rad(angles),
         signed_curvature=signs[:, None] * kappa,
     )
-    dataset = build_dataset(SWEEP, values, scalars=scalars, config=config, recipe=recipe)
+    dataset = build_dataset(SWEEP, values, scalars=scalars, config=config)
     if no_contact:
         dataset["min_gap"].attrs["comment"] = NO_CONTACT_COMMENT
     return dataset.sortby(["side", "direction", "curvature"])

@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.sample_checks import ROUNDING, check_axis
 from flexscale.datasets.stiffness import (
     BENDING,
@@ -57,7 +56,6 @@ def build_tangent_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of kind tangent; the stiffness in each direction follows from the matrix.
 
@@ -66,7 +64,7 @@ def build_tangent_dataset(
     bending : (3, 3) N mm, C in energy density 1/2 k C k with k = (kxx, kyy, 2 kxy).
     in_plane : (3, 3) N mm-1, energy density 1/2 E A E with E = (Exx, Eyy, 2 Exy).
     directions : (n,) degree.
-    scalars, config, recipe : as in `build_sweep_dataset`.
+    scalars, config : as in `build_sweep_dataset`.
     """
     angles = np.asarray(directions, dtype=float)
     stiffness = np.asarray(bending, dtype=float)
@@ -78,5 +76,5 @@ def build_tangent_dataset(
         "component": list(COMPONENTS),
         "other_component": list(COMPONENTS),
     }
-    dataset = build_dataset(TANGENT, values, scalars=scalars, config=config, recipe=recipe)
+    dataset = build_dataset(TANGENT, values, scalars=scalars, config=config)
     return dataset.sortby("direction")

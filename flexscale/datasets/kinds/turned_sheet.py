@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.identity import Recipe
 from flexscale.datasets.sample_checks import check_axis, check_sides
 from flexscale.datasets.sheet_variables import check_bent, number, response, sided, steepest, strips
 from flexscale.datasets.variables import VARIANTS, Schema, Variable
@@ -69,7 +68,6 @@ def build_turned_sheet_dataset(
     width: float,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    recipe: Recipe | None = None,
 ) -> xr.Dataset:
     """Dataset of kind turned_sheet.
 
@@ -82,7 +80,7 @@ def build_turned_sheet_dataset(
         wherever `status` is not 0.
     curvature : mm-1, positive.
     length, width : mm.
-    scalars, config, recipe : as in `build_sweep_dataset`.
+    scalars, config : as in `build_sweep_dataset`.
     """
     values = {
         **arrays,
@@ -92,4 +90,4 @@ def build_turned_sheet_dataset(
         "length": length,
         "width": width,
     }
-    return build_dataset(TURNED_SHEET, values, scalars=scalars, config=config, recipe=recipe)
+    return build_dataset(TURNED_SHEET, values, scalars=scalars, config=config)

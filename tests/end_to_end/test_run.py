@@ -32,7 +32,7 @@ tangent: {{}}
 shape: [{{direction: 45, curvature: 0.004}}]
 figures: [tangent]
 """
-PICTURES = ("polar", "curves", "tangent", "cell")
+PICTURES = ("polar", "curves", "tangent", "shape")
 SAMPLES = "local/.staging/*/line-*/*.npz"
 PATIENCE = 180.0  # s; a run takes about 10 once the kernels are compiled, 60 before
 

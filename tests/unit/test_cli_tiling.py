@@ -269,6 +269,7 @@ def test_gallery_shows_the_group_of_the_type(family: Family) -> None:
     assert shown == (not family.needs_marking)
 
 
+@pytest.mark.slow
 def test_gallery_is_one_small_file(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,7 @@ from flexscale.embedding.contact_surface import spread_contact
 from flexscale.mesh.patches import fit_affine
 from flexscale.mesh.torus import build_mesh
 
-COARSE = fs.MeshOptions(along=4.0, corner=1.0, scale_size=6.0, scale_layers=2)
+COARSE = fs.MeshOptions(along=4.0, corner=1.0, scale_size=10.0, scale_layers=1)
 
 
 @pytest.fixture(scope="module")

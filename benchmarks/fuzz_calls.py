@@ -110,6 +110,13 @@ def _options() -> list[Call]:
         *calls,
         Call("MeshOptions.finer", COARSE.finer, {"factor": 2.0}),
         Call("SubstrateOptions", fs.SubstrateOptions, fs.SubstrateOptions().to_config()),
+        Call("NativeModel", fs.NativeModel, {
+            "name": "shell", "mesh": COARSE, "solver": fs.SolverOptions(),
+            "contact": fs.ContactOptions(), "substrate": fs.SubstrateOptions(),
+            "scales": fs.ScaleOptions(),
+        }),
+        Call("NativeModel.from_config", fs.NativeModel.from_config,
+             {"config": fs.NativeModel(mesh=COARSE).to_config()}),
         Call("RigOptions", fs.RigOptions, {"element": "c1", "size": 5.0, "steps": 2}),
         Call("SheetOptions", fs.SheetOptions,
              {"element": "c1", "size": 5.0, "strip": 0.0, "turning": False}),
@@ -118,15 +125,11 @@ def _options() -> list[Call]:
 
 def _native() -> list[Call]:
     pattern = fs.named_pattern("square")
-    options: dict[str, Any] = {
-        "mesh": COARSE, "solver": fs.SolverOptions(), "contact": fs.ContactOptions(),
-        "substrate": fs.SubstrateOptions(), "scales": fs.ScaleOptions(),
-    }  # fmt: skip
+    options: dict[str, Any] = {"model": fs.NativeModel(mesh=COARSE)}
     bends: dict[str, Any] = {
         "pattern": pattern, "curvatures": [0.0, 0.01], "sides": ("closing", "opening"),
     }  # fmt: skip
     sizes: dict[str, Any] = {"length": 60.0, "width": 30.0, "direction": 0.0}
-    still = {key: options[key] for key in ("mesh", "substrate", "scales")}
     rest = {"checkpoint": None, "on_sample": None}
     stage = {"pattern": pattern, "shortenings": [1.0, 2.0], "sides": ("closing",)}
     return [
@@ -134,11 +137,11 @@ def _native() -> list[Call]:
              bends | options | rest
              | {"directions": [0.0, 45.0], "symmetry": True, "workers": 1}, 6),
         Call("tangent_stiffness", fs.tangent_stiffness,
-             still | {"pattern": pattern, "linear_solver": "auto"}, 2),
+             options | {"pattern": pattern}, 2),
         Call("simulate_native_sheet", fs.simulate_native_sheet, bends | sizes | options | rest, 3),
         Call("simulate_native_stage", fs.simulate_native_stage, stage | sizes | options | rest, 3),
         Call("gap_model", fs.gap_model,
-             still | {"pattern": pattern, "contact": fs.ContactOptions(), "w_biaxial": 0.0}, 2),
+             options | {"pattern": pattern, "w_biaxial": 0.0}, 2),
     ]  # fmt: skip
 
 
@@ -184,6 +187,12 @@ def _models(datasets: dict[str, Any]) -> list[Call]:
             Call(f"{name}.tensor_energy", one.tensor_energy, tensor),
             Call(f"{name}.tensor_moment", one.tensor_moment, tensor),
         ]
+    kept = gaps.to_dataset()
+    calls += [
+        Call("GapModel.to_dataset", gaps.to_dataset, {"directions": [0.0, 90.0]}),
+        Call("GapModel.from_dataset", fs.GapModel.from_dataset, {"dataset": kept}),
+        Call("plot.gap_model", fs.plot.gap_model, {"model": kept}, 0.5),
+    ]
     scaled = fs.synthesize_scales(fs.named_pattern("square"), sheet)
     calls.append(Call("ScaledSheet.write", scaled.write, {"path": "scaled.obj"}))
     calls.append(Call("plot.scaled_sheet", fs.plot.scaled_sheet,

@@ -67,6 +67,10 @@ class NativeModel:
         ------
         ConfigError, UnitRangeError, UnknownNameError : an option is unknown or out of range.
         """
+        if not isinstance(config, Mapping):
+            raise ConfigError(
+                f"A native model's configuration must be a dict, not {shown(config)}."
+            )
         parts = {}
         for part in PARTS:
             if part in config:

@@ -37,7 +37,7 @@ from flexscale.fabricate import Disc, Rectangle, printable_sheet
 from flexscale.fabricate.walls import is_printable, smallest_wall
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from tests.unit.printable_checks import (
+from tests.fabricate.printable_checks import (
     crosses_itself,
     level,
     n_open_edges,

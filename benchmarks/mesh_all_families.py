@@ -23,7 +23,7 @@ from flexscale.mesh.quality import tet_qualities, triangle_qualities
 from flexscale.mesh.torus import build_mesh
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from tests.unit.mesh_checks import assert_sound
+from tests.mesh.mesh_checks import assert_sound
 
 N_RANDOM, SIZE = 5, 0.3
 

@@ -17,7 +17,7 @@ from flexscale.sheets.mandrel import MandrelRig, MandrelTest
 from flexscale.sheets.stage import StageRig, StageTest
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
-from tests.unit.fit_samples import kappa_0_of, law_sweep, tangent
+from tests.macro.fit_samples import kappa_0_of, law_sweep, tangent
 
 YOUNG, THICKNESS = 25.0, 0.4  # MPa, mm
 BEAM = YOUNG * THICKNESS**3 / 12.0  # N mm, bending stiffness per width at nu = 0

@@ -9,7 +9,7 @@ import pytest
 import flexscale as fs
 from flexscale.errors import BadInputError
 from flexscale.status import SolveStatus
-from tests.unit.fit_samples import law_sweep, tangent
+from tests.macro.fit_samples import law_sweep, tangent
 
 OPTIONS = fs.SheetOptions(size=6.0)
 

@@ -11,8 +11,8 @@ import pytest
 
 from flexscale.cli import main
 from flexscale.datasets.entry import Entry
-from tests.unit.results_mutations import mutate
-from tests.unit.results_samples import one_sweep
+from tests.datasets.results_mutations import mutate
+from tests.datasets.results_samples import one_sweep
 
 COMMANDS = (
     ["list"],

@@ -13,9 +13,9 @@ from flexscale.patterns import Pattern
 from flexscale.patterns.cell import polygon_area
 from flexscale.tilings import Tiling
 from flexscale.tilings.drawn_symmetry import drawn_symmetry
+from tests.mesh.mesh_checks import assert_sound, pattern_if_any
 from tests.property.mesh_symmetry import assert_symmetric, point_group
 from tests.property.test_tilings_random import tilings
-from tests.unit.mesh_checks import assert_sound, pattern_if_any
 
 FEW = settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 #: The same examples every time: the slow test below looks for a thousand new ones.

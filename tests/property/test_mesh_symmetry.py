@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexscale.mesh import MeshOptions, build_mesh
+from tests.patterns.pattern_shapes import SHAPES
 from tests.property.mesh_symmetry import assert_symmetric, point_group
-from tests.unit.pattern_shapes import SHAPES
 
 # name -> center of a point group of the pattern, from the first corner of its first tile if this
 # was given, its rotations, whether it has mirrors along x

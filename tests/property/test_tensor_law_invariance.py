@@ -7,8 +7,8 @@ import pytest
 
 import flexscale as fs
 from flexscale.homogenize.tangent import TangentStiffness
-from tests.unit.fit_samples import DIRECTIONS, law_sweep, tangent
-from tests.unit.law_samples import (
+from tests.macro.fit_samples import DIRECTIONS, law_sweep, tangent
+from tests.macro.law_samples import (
     VARIANTS,
     energy_at,
     gradient_at,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from flexscale.errors import TilingError
 from flexscale.tilings import Family, Tiling, families, fit_parameters
-from tests.unit.tiling_checks import assert_covers_plane
+from tests.tilings.tiling_checks import assert_covers_plane
 
 MANY = settings(
     max_examples=150,

@@ -11,7 +11,7 @@ from flexscale.errors import PatternError
 from flexscale.patterns import Pattern
 from flexscale.patterns.drawing import read_drawing
 from flexscale.tilings.drawn_symmetry import primitive_cell
-from tests.unit.wallpaper_samples import GENERATORS, orbit_tiling
+from tests.tilings.wallpaper_samples import GENERATORS, orbit_tiling
 
 FEW = settings(max_examples=3, deadline=None, suppress_health_check=list(HealthCheck))
 SQUARE = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)])

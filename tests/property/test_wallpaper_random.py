@@ -11,8 +11,8 @@ from flexscale.tilings import Family, Tiling, families
 from flexscale.tilings.bravais import multiply, reduced_lattice
 from flexscale.tilings.drawn_symmetry import drawn_symmetry, primitive_cell
 from tests.sampling import every
-from tests.unit.drawn_tilings import DRAWN
-from tests.unit.wallpaper_samples import AXES, GENERATORS, orbit_tiling
+from tests.tilings.drawn_tilings import DRAWN
+from tests.tilings.wallpaper_samples import AXES, GENERATORS, orbit_tiling
 
 MANY = settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
 FEW = settings(MANY, max_examples=3)

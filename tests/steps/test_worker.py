@@ -1,0 +1,83 @@
+"""Jobs in a process of their own: what is lent to a step."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+
+from flexscale.datasets.store import Entry, Store
+from flexscale.steps.catalog import STEPS
+from flexscale.steps.events import EventWriter
+from flexscale.steps.experiment import parse_experiment
+from flexscale.steps.plan import Job, Plan, build_plan
+from flexscale.steps.worker import run_job
+from tests.macro.fit_samples import law_sweep
+
+
+def native_sheet_job() -> tuple[Plan, Job]:
+    """A job without inputs, whose computation tests put another in place of."""
+    content = {"patterns": {"square": {"family": "IH76"}}, "native_sheet": {}}
+    plan = build_plan(parse_experiment(content, "file.yaml"))
+    (job,) = (job for job in plan if job.step == "native_sheet")
+    return plan, job
+
+
+def computed_by(monkeypatch: pytest.MonkeyPatch, step: str, compute: Any) -> None:
+    """Let something else do the work of a step."""
+    monkeypatch.setitem(STEPS, step, replace(STEPS[step], compute=compute))
+
+
+class Stopped(Exception):
+    """Stands for a kill."""
+
+
+def test_a_native_sheet_goes_on_from_the_samples_it_has_kept(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    plan, job = native_sheet_job()
+    seen: list[list[dict[str, Any]]] = []
+
+    def one_sample(parameters: object, inputs: object, resources: Any) -> None:
+        seen.append(resources.checkpoint.load("closing-0"))
+        resources.checkpoint.append("closing-0", {"energy": 1.0})
+        raise Stopped
+
+    computed_by(monkeypatch, "native_sheet", one_sample)
+    for _ in range(2):
+        with pytest.raises(Stopped):
+            run_job(plan, job, Store(tmp_path), 1, EventWriter(None))
+    assert seen == [[], [{"energy": 1.0}]]
+
+
+def test_records_have_the_processor_time_of_the_step(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Not the time in which the job waited."""
+    plan, job = native_sheet_job()
+    records: list[dict[str, Any]] = []
+
+    def busy(parameters: object, inputs: object, resources: object) -> xr.Dataset:
+        end = time.process_time() + 0.3
+        while time.process_time() < end:
+            pass
+        time.sleep(0.5)
+        return law_sweep()
+
+    def publish(store: Store, *facts: Any) -> Entry:
+        records.append(facts[-1])
+        return Entry("native_sheet", "0" * 64, "0" * 64, tmp_path, {})
+
+    computed_by(monkeypatch, "native_sheet", busy)
+    monkeypatch.setattr(Store, "publish", publish)
+    store = Store(tmp_path)
+    run_job(plan, job, store, 1, EventWriter(None))
+    store.checkpoint(job.recipe).append("closing-0", {"energy": 1.0})
+    run_job(plan, job, store, 1, EventWriter(None))
+    assert records[1]["resumed"]
+    assert not records[0]["resumed"]
+    assert 0.3 <= records[0]["cpu_seconds"] <= records[0]["wall_seconds"] - 0.5 + 0.01  # roundings

@@ -19,7 +19,15 @@ from flexscale.short_repr import MOST, WIDTH, ShortRepr
 
 #: Classes that hold a few numbers each: the repr of dataclasses is short.
 SMALL = {"ContactOptions", "MeshOptions", "NeoHookean", "RigOptions", "ScaleOptions"}
-SMALL |= {"SheetOptions", "SolverOptions", "SubstrateOptions", "NamedPattern", "Between", "Family"}
+SMALL |= {
+    "SheetOptions",
+    "SolverOptions",
+    "SubstrateOptions",
+    "NamedPattern",
+    "NativeModel",
+    "Between",
+    "Family",
+}
 
 
 def assert_short(result: Any, *words: str) -> None:

@@ -74,6 +74,8 @@ def role_of(process: psutil.Process) -> str:
     line = " ".join(words)
     if "line_worker" in line:
         return "worker"
+    if "flexscale.steps.watched" in words:
+        return "snakemake"
     if "flexscale.steps" in line:
         if "-c" in words[:3]:
             return "shell"

@@ -93,7 +93,8 @@ def engine(place: Workplace, results: Path, cores: int) -> Iterator[subprocess.P
 
 
 def _command(place: Workplace, results: Path, cores: int) -> list[str]:
-    command = [sys.executable, "-P", "-m", "snakemake", "--snakefile", str(snakefile())]
+    command = [sys.executable, "-P", "-m", "flexscale.steps.watched", "snakemake"]
+    command += ["--snakefile", str(snakefile())]
     command += ["--directory", str(place.folder), "--cores", str(cores)]
     # Profiles and configuration files may hold expressions, which Snakemake evaluates.
     command += ["--workflow-profile", "none"]

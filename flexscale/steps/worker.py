@@ -5,20 +5,16 @@ from __future__ import annotations
 import argparse
 import os
 import resource
-import signal
 import sys
-import threading
 import time
 import traceback
 from pathlib import Path
 from typing import Any
 
-import psutil
-
 from flexscale.datasets.store import Entry, Store
 from flexscale.errors import FlexScaleError
 from flexscale.steps.catalog import STEPS
-from flexscale.steps.environment import EVENTS, RUN_PID
+from flexscale.steps.environment import EVENTS
 from flexscale.steps.events import EventWriter
 from flexscale.steps.experiment import load_experiment
 from flexscale.steps.figures import FIGURE, draw_figure
@@ -96,32 +92,6 @@ def _facts(event: Any) -> dict[str, Any]:
     return {name: getattr(event, name) for name in _FACTS if hasattr(event, name)}
 
 
-def watch_parent(pid: int) -> None:
-    """Kill this process group as soon as the process `pid` is gone.
-
-    `flexscale run` may be killed without a chance to clean up; nothing may then keep computing
-    behind the user's back.
-    """
-    parent = psutil.Process(pid) if psutil.pid_exists(pid) else None
-
-    def lives() -> bool:
-        try:
-            return (
-                parent is not None
-                and parent.is_running()
-                and parent.status() != psutil.STATUS_ZOMBIE
-            )
-        except psutil.NoSuchProcess:
-            return False
-
-    def watch() -> None:
-        while lives():
-            time.sleep(1.0)
-        os.killpg(os.getpgrp(), signal.SIGKILL)
-
-    threading.Thread(target=watch, daemon=True).start()
-
-
 def main(arguments: list[str]) -> int:
     """Run one job; the exit code is that of the error's class, 1 for a bug."""
     parser = argparse.ArgumentParser(prog="python -m flexscale.steps", description=__doc__)
@@ -132,8 +102,6 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--stamp", type=Path, required=True)
     options = parser.parse_args(arguments)
     events = EventWriter(Path(os.environ[EVENTS]) if EVENTS in os.environ else None)
-    if RUN_PID in os.environ:
-        watch_parent(int(os.environ[RUN_PID]))
     try:
         plan = build_plan(load_experiment(options.experiment))
         run_job(plan, plan[options.job], Store(options.results), options.workers, events)

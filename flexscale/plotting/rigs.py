@@ -151,8 +151,9 @@ def compared_stages(native: xr.Dataset, macro: Mapping[str, xr.Dataset]) -> Figu
 def draw_mandrel(axes: PolarAxes, tests: xr.Dataset, sides: Sequence[str]) -> list[str]:
     """Draw the force against the angle, all around; returns notes for `add_note`."""
     angles = np.deg2rad(tests["angle"].values.astype(float))
-    force = tests["mandrel_force"].sel(side=list(sides))
-    failed = tests["mandrel_status"].sel(side=list(sides)).values != 0
+    chosen = tests[["mandrel_force", "mandrel_status"]].sel(side=list(sides))
+    chosen = chosen.transpose("side", "angle")  # whatever a caller did to them
+    force, failed = chosen["mandrel_force"], chosen["mandrel_status"].values != 0
     values = np.where(failed, np.nan, force.values.astype(float))
     largest = float(np.nanmax(values, initial=0.0))
     radius = 1.06 * largest if largest > 0.0 else 1.0

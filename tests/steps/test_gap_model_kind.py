@@ -81,6 +81,11 @@ def test_values_that_cannot_be_are_refused(
         fs.GapModel.from_dataset(xr.Dataset())
 
 
+def test_every_gap_has_its_compliance(dataset: xr.Dataset) -> None:
+    with pytest.raises(SchemaError, match="a row for each gap"):
+        fs.GapModel.from_dataset(dataset.isel(other_contact=[0]))
+
+
 def test_sheets_and_devices_take_it_in_an_experiment(dataset: xr.Dataset) -> None:
     content = PATTERNS | {"gap_model": {}, "sheet": SHEET}
     content |= {"rig": {"model": "gap_model", "stage": STAGE, "size": 15, "sides": "closing"}}

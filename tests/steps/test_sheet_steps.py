@@ -286,6 +286,15 @@ def test_figures_refuse_other_datasets(made) -> None:
         fs.plot.rig(made["rig"], sides="open")
 
 
+def test_forces_are_drawn_against_their_angle_however_they_lie(made) -> None:
+    drawn = [
+        [line.get_ydata() for line in fs.plot.rig(rig).axes[0].lines]
+        for rig in (made["rig"], made["rig"].transpose("angle", "shortening", "side"))
+    ]
+    for one, other in zip(*drawn, strict=True):
+        assert np.array_equal(one, other, equal_nan=True)
+
+
 def test_a_sheet_that_failed_still_says_where() -> None:
     arrays = {name: np.ones((2, 2)) for name in ("energy", "energy_density", "moment", "slide")}
     arrays |= {"largest_curvature": np.ones((2, 2))}

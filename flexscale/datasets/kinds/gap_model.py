@@ -27,6 +27,8 @@ def _check_gap_model(dataset: xr.Dataset) -> None:
     gaps, compliance = dataset["distances"].values, dataset["compliance"].values
     if not (gaps >= 0.0).all() or not np.isfinite(dataset["slopes"].values).all():
         raise SchemaError("The gaps of a gap model must be finite, and not negative at rest.")
+    if compliance.shape != 2 * gaps.shape:
+        raise SchemaError("The compliance of the gaps of a gap model needs a row for each gap.")
     if not np.allclose(compliance, compliance.T, rtol=0.0, atol=1e-6 * np.abs(compliance).max()):
         raise SchemaError("The compliance of the gaps of a gap model must be symmetric.")
     numbers = ("softening", "contact_softening", "w_biaxial", "largest_curvature")

@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
-from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
+from flexscale.datasets.variables import SIDE, SIDE_SIGN, STATUS_ATTRS, Schema, Variable
 from flexscale.errors import SchemaError
 from flexscale.sides import side_sign
 
 Measured = tuple[Variable, ...]
 
-SIDE = Variable("side", ("side",), "text", "", "side to which the sheet is bent")
 BENT = ("side", "curvature")
 COUNTS = (
     ("newton_iterations", "Newton iterations"),
@@ -38,7 +37,7 @@ def strips(curvature: tuple[str, ...], direction: tuple[str, ...]) -> Measured:
     return (
         SIDE,
         number("curvature", curvature, "mm-1", "curvature of the end strips"),
-        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+        SIDE_SIGN,
         number("signed_curvature", ("side", *curvature), "mm-1", "curvature, closing > 0"),
         number("length", (), "mm", "length of the sheet, along which it is bent"),
         number("width", (), "mm", "width of the sheet"),

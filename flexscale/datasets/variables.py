@@ -115,3 +115,6 @@ SCALARS: tuple[Variable, ...] = (
 
 #: Coordinate of all kinds that are sampled in directions.
 DIRECTION = Variable("direction", ("direction",), "float64", "degree", "bending direction")
+#: Coordinates of all kinds that are bent to sides.
+SIDE = Variable("side", ("side",), "text", "", "side to which the sheet is bent")
+SIDE_SIGN = Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n")

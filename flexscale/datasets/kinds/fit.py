@@ -25,6 +25,7 @@ from flexscale.datasets.variables import (
     ASSESSMENTS,
     COMPONENTS,
     DIRECTION,
+    SIDE,
     STATISTICS,
     VARIANTS,
     Schema,
@@ -84,7 +85,7 @@ FIT = Schema(
     2,
     "Macro model of a scaled sheet: two-regime bending law in every direction",
     coordinates=(
-        Variable("side", ("side",), "text", "", "side to which the sheet is bent"),
+        SIDE,
         DIRECTION,
         Variable("parameter", ("parameter",), "text", "", "a before, b after contact at kappa_0"),
         Variable("parameter_units", ("parameter",), "text", "", "units of the parameter"),

@@ -13,7 +13,7 @@ from flexscale.datasets.build import build_dataset
 from flexscale.datasets.mesh_variables import array
 from flexscale.datasets.sample_checks import ROUNDING, check_axis, check_sides
 from flexscale.datasets.stiffness import BENDING, IN_PLANE, VOIGT, check_stiffness, matrix
-from flexscale.datasets.variables import COMPONENTS, DIRECTION, Schema, Variable
+from flexscale.datasets.variables import COMPONENTS, DIRECTION, SIDE, SIDE_SIGN, Schema, Variable
 from flexscale.errors import SchemaError
 from flexscale.sides import side_sign
 
@@ -61,8 +61,8 @@ GAP_MODEL = Schema(
     1,
     "Macro model of the flat cell: its stiffness, and gaps that close",
     coordinates=(
-        Variable("side", ("side",), "text", "", "side to which the sheet is bent"),
-        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+        SIDE,
+        SIDE_SIGN,
         DIRECTION,
         *VOIGT,
     ),

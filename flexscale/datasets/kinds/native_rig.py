@@ -6,8 +6,8 @@ import xarray as xr
 
 from flexscale.datasets.device_variables import STRIP
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
-from flexscale.datasets.sheet_variables import COUNTS, SIDE, SIZES, check_sizes, number
-from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
+from flexscale.datasets.sheet_variables import COUNTS, SIZES, check_sizes, number
+from flexscale.datasets.variables import SIDE, STATUS_ATTRS, Schema, Variable
 from flexscale.errors import SchemaError
 
 _SHORTENED = ("side", "shortening")

@@ -6,8 +6,8 @@ import xarray as xr
 
 from flexscale.datasets.device_variables import DEVICE_COORDINATES, DEVICE_VARIABLES
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
-from flexscale.datasets.sheet_variables import SIDE, check_sizes
-from flexscale.datasets.variables import Schema, Variable
+from flexscale.datasets.sheet_variables import check_sizes
+from flexscale.datasets.variables import SIDE, Schema, Variable
 from flexscale.errors import SchemaError
 
 

@@ -17,7 +17,15 @@ from flexscale.datasets.sample_checks import (
     check_sides,
     check_status,
 )
-from flexscale.datasets.variables import COMPONENTS, DIRECTION, STATUS_ATTRS, Schema, Variable
+from flexscale.datasets.variables import (
+    COMPONENTS,
+    DIRECTION,
+    SIDE,
+    SIDE_SIGN,
+    STATUS_ATTRS,
+    Schema,
+    Variable,
+)
 from flexscale.errors import SchemaError
 from flexscale.sides import side_sign
 
@@ -85,11 +93,11 @@ SWEEP = Schema(
     1,
     "Bending of a periodic scaled sheet in many directions",
     coordinates=(
-        Variable("side", ("side",), "text", "", "side to which the sheet is bent"),
+        SIDE,
         DIRECTION,
         Variable("curvature", ("curvature",), "float64", "mm-1", "magnitude of the curvature"),
         Variable("component", ("component",), "text", "", "component of a symmetric 2x2 tensor"),
-        Variable("side_sign", ("side",), "int8", "1", "sign of the curvature, scales on +n"),
+        SIDE_SIGN,
         Variable("direction_rad", ("direction",), "float64", "rad", "bending direction"),
         Variable(
             "signed_curvature", ("side", "curvature"), "float64", "mm-1", "curvature, closing > 0"

@@ -37,7 +37,7 @@ FULL: dict[str, Any] = {
     },
     "mesh": dict(COARSE),
     "contact": {"activation": 0.005, "edge": "0.4 mm"},
-    "solver": {"tolerance": 1e-9, "max_iterations": 60, "constraint": "bordered"},
+    "solver": {"tolerance": 1e-9, "max_iterations": 60},
     "scales": {"model": "modes", "cutoff": 0.01},
     "substrate": {"element": "c1"},
     "tangent": {"directions": [0, 45, 90]},

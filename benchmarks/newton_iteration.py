@@ -20,9 +20,7 @@ from report import output_file, report
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.solve.newton import solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
-from flexscale.status import SolveStatus
 
 CURVATURE, TOUCHING, DEGREES = 0.005, 0.015, 20.0
 
@@ -91,26 +89,6 @@ def iteration_counts(problem: CellProblem) -> list[str]:
     return [f"{counts[~touching].mean():.1f}", f"{counts[touching].mean():.1f}", str(counts.max())]
 
 
-def constraint_times(problem: CellProblem) -> list[str]:
-    """Bordered and augmented Lagrangian from the same start: time, iterations, difference."""
-    line = Line("closing", DEGREES, (0.8 * CURVATURE,))
-    (sample,) = follow_line(problem, line, SolverOptions())
-    near = sample["state"] + 0.2 * CURVATURE * sample["rate"]
-    cell = problem.bent(line.bend(CURVATURE))
-    found, cells = {}, []
-    for method in ("bordered", "augmented_lagrangian"):
-        options = SolverOptions(constraint=method, max_iterations=200)
-        start = time.perf_counter()
-        found[method] = solve_equilibrium(cell, near, options)
-        seconds = time.perf_counter() - start
-        if found[method].status != SolveStatus.converged:
-            cells.append(str(found[method].status))
-            continue
-        cells.append(f"{found[method].iterations} iterations, {1e3 * seconds:.0f} ms")
-    difference = np.abs(found["bordered"].z - found["augmented_lagrangian"].z).max()
-    return [*cells, f"{difference:.1e} mm"]
-
-
 def main() -> None:
     """Print the tables, and write them if asked."""
     output = output_file(__doc__)
@@ -127,10 +105,6 @@ def main() -> None:
     rows.append("|---|---|---|---|")
     for family, problem in problems.items():
         rows.append(f"| {family}, {DEGREES:g}° | " + " | ".join(iteration_counts(problem)) + " |")
-    rows += ["", "| constraint | bordered | augmented Lagrangian | largest difference |"]
-    rows.append("|---|---|---|---|")
-    for family, problem in problems.items():
-        rows.append(f"| {family} | " + " | ".join(constraint_times(problem)) + " |")
     report(rows, output)
 
 

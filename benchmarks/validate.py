@@ -92,7 +92,6 @@ ALL = (
     Page("scale_elements"),
     Page("substrate_elements"),
     Page("substrate_bending"),
-    Page("bending_measures"),
     Page("contact_convergence"),
     Page("branches"),
     Page("never_stuck", reads="named_patterns"),

@@ -16,6 +16,7 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.solve.solver_options import SolverOptions
 
 NATIVE_MODELS = ("shell",)
+NAME = "native"  # what a configuration and an experiment file call a model's name
 
 
 @checked(
@@ -53,11 +54,12 @@ class NativeModel:
         return replace(self, contact=ContactOptions(enabled=False))
 
     def to_config(self, *parts: str) -> dict[str, Any]:
-        """Plain numbers and text by part, `parts` alone if given; `from_config` is the inverse.
+        """Name, and options by part, those of `parts` alone if given; plain numbers and text.
 
-        The name is left out: there is one model yet.
+        `from_config` is the inverse.
         """
-        return {part: getattr(self, part).to_config() for part in parts or PARTS}
+        options = {part: getattr(self, part).to_config() for part in parts or PARTS}
+        return {NAME: self.name, **options}
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> NativeModel:
@@ -71,7 +73,7 @@ class NativeModel:
             raise ConfigError(
                 f"A native model's configuration must be a dict, not {shown(config)}."
             )
-        parts = {}
+        parts = {"name": config[NAME]} if NAME in config else {}
         for part in PARTS:
             if part in config:
                 try:

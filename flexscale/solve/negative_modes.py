@@ -36,12 +36,10 @@ class System(Protocol):
     def factorize(self, values: FloatArray, damping: float = 0.0) -> int:
         """Factorize; returns the number of negative eigenvalues on the constraint."""
 
-    def solve(
-        self, right_hand_side: FloatArray, target: float = 0.0, compliance: float = 0.0
-    ) -> tuple[FloatArray, float]:
+    def solve(self, right_hand_side: FloatArray, target: float = 0.0) -> tuple[FloatArray, float]:
         """Solution and multiplier."""
 
-    def solve_block(self, right_hand_sides: FloatArray, compliance: float = 0.0) -> FloatArray:
+    def solve_block(self, right_hand_sides: FloatArray) -> FloatArray:
         """(n, k) solutions for target 0, without iterative refinement."""
 
 
@@ -71,7 +69,7 @@ class NegativeModes:
         return step + self.directions @ (2.0 * (self.directions.T @ gradient) / self.values)
 
 
-def negative_modes(system: System, count: int, compliance: float = 0.0) -> NegativeModes:
+def negative_modes(system: System, count: int) -> NegativeModes:
     """The `count` modes of the factorized H on c.dz = 0 whose eigenvalues lie closest below zero.
 
     Fewer if the iteration does not find all of them. The start is random, but always the same.
@@ -82,7 +80,7 @@ def negative_modes(system: System, count: int, compliance: float = 0.0) -> Negat
     basis, images = np.zeros((n, 0)), np.zeros((n, 0))
     before = np.zeros(0)
     for _ in range(MOST_STEPS):
-        image = system.solve_block(block, compliance)
+        image = system.solve_block(block)
         basis, images = np.hstack([basis, block]), np.hstack([images, image])
         small = basis.T @ images
         values, vectors = np.linalg.eigh(0.5 * (small + small.T))

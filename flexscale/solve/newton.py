@@ -25,7 +25,6 @@ _BLOCKED = 0.5  # of a step, beyond which scales would meet, that is turned asid
 NEAR = 1e-3  # Newton decrement, relative to the energy, from which on to go on is best
 NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a saddle is left
 MOST_MODES = 12  # that curve downward and are turned over one by one
-OFFSET_TOLERANCE = 1e-10  # mm, mean normal displacement the augmented Lagrangian may leave
 
 
 class Evaluation(Protocol):
@@ -93,41 +92,6 @@ class Solution:
         return replace(self, status=SolveStatus.time_limit) if options.out_of_time else self
 
 
-@dataclass
-class _Penalty:
-    """-lambda c.z + rho (c.z)^2 of [Eq. 9]; rho = 0 stands for the bordered system."""
-
-    multiplier: float = 0.0
-    rho: float = 0.0
-
-    def energy(self, offset: float) -> float:
-        return -self.multiplier * offset + self.rho * offset * offset
-
-    def slope(self, offset: float) -> float:
-        return -self.multiplier + 2.0 * self.rho * offset
-
-
-def solve_equilibrium(
-    problem: Objective, z: FloatArray, options: SolverOptions, multiplier: float = 0.0
-) -> Solution:
-    """Minimize the energy from the full state `z` under the mean-offset constraint."""
-    z = _make_feasible(problem, z)
-    if options.constraint == "bordered":
-        return _newton(problem, z, options, _Penalty())
-    penalty = _Penalty(multiplier, options.penalty)
-    iterations = 0
-    while True:
-        solution = _newton(problem, z, options, penalty, used=iterations)
-        iterations = solution.iterations
-        offset = float(problem.system.constraint @ solution.z[problem.active])
-        penalty.multiplier -= 2.0 * penalty.rho * offset
-        if solution.status != SolveStatus.converged:
-            return solution
-        if abs(offset) <= OFFSET_TOLERANCE:
-            return solution
-        z = solution.z
-
-
 def solve_within(
     problem: Objective, z: FloatArray, patience: int, options: SolverOptions
 ) -> Solution:
@@ -154,34 +118,28 @@ def _make_feasible(problem: Objective, z: FloatArray) -> FloatArray:
     return z
 
 
-def _newton(
-    problem: Objective, z: FloatArray, options: SolverOptions, penalty: _Penalty, used: int = 0
-) -> Solution:
+def solve_equilibrium(problem: Objective, z: FloatArray, options: SolverOptions) -> Solution:
+    """Minimize the energy from the full state `z` under the mean-offset constraint."""
+    z = _make_feasible(problem, z)
     active = problem.active
-    compliance = 0.0 if penalty.rho == 0.0 else 0.5 / penalty.rho
     evaluation = problem.evaluate(z)
-    multiplier, negative, escapes, unstable = penalty.multiplier, 0, 0, 0
+    multiplier, negative, escapes, unstable = 0.0, 0, 0, 0
     decrement = np.inf
 
     def result(status: SolveStatus, iterations: int) -> Solution:
         constraint = problem.system.constraint
-        offset = float(constraint @ z[active])
-        slope = -multiplier if penalty.rho == 0.0 else penalty.slope(offset)
-        residual = float(np.linalg.norm(evaluation.gradient + slope * constraint))
+        residual = float(np.linalg.norm(evaluation.gradient - multiplier * constraint))
         counts = (iterations, residual, negative, escapes, unstable)
         return Solution(z, evaluation, multiplier, status, *counts, decrement)
 
     if not np.isfinite(evaluation.energy):
-        return result(SolveStatus.infeasible_start, used)
-    for iteration in range(used + 1, options.max_iterations + 1):
+        return result(SolveStatus.infeasible_start, 0)
+    for iteration in range(1, options.max_iterations + 1):
         offset = float(problem.system.constraint @ z[active])
-        slope = penalty.slope(offset)
-        target = -offset if penalty.rho == 0.0 else 0.0
-        step, mu, negative, downward = _direction(problem, evaluation, slope, target, compliance)
+        step, mu, negative, downward = _direction(problem, evaluation, -offset)
         unstable += downward > 0
-        gradient = evaluation.gradient + slope * problem.system.constraint
-        multiplier = -mu if penalty.rho == 0.0 else penalty.multiplier
-        decrement = -float(gradient @ step)
+        multiplier = -mu
+        decrement = -float(evaluation.gradient @ step)
         scale = abs(evaluation.energy)
         small = decrement <= options.tolerance * scale + problem.energy_floor
         if decrement <= NEAR_SADDLE * scale and negative > 0 and escapes < 3:
@@ -191,7 +149,7 @@ def _newton(
         if options.out_of_time and not small:
             return result(SolveStatus.time_limit, iteration)
         length, trial, trial_evaluation = _search(
-            problem, z, evaluation, step, decrement, penalty, settled=small
+            problem, z, evaluation, step, decrement, settled=small
         )
         if length > 0.0:
             z, evaluation = trial, trial_evaluation
@@ -206,7 +164,7 @@ def _newton(
 
 
 def _direction(
-    problem: Objective, evaluation: Any, slope: float, target: float, compliance: float
+    problem: Objective, evaluation: Any, target: float
 ) -> tuple[FloatArray, float, int, int]:
     """A direction of descent, the change of the multiplier, and what the true Hessian is like.
 
@@ -216,21 +174,20 @@ def _direction(
     contact in its place.
     """
     values = problem.hessian_values(evaluation)
-    system = problem.system
-    gradient = evaluation.gradient + slope * system.constraint
+    system, gradient = problem.system, evaluation.gradient
     negative = downward = system.factorize(values)
     if negative > 0:
         projected = problem.hessian_values(evaluation, CONTACT)
         if not np.array_equal(projected, values):
             downward = system.factorize(projected)
     if 0 < downward <= MOST_MODES:
-        step, mu = system.solve(-gradient, target, compliance)
-        modes = negative_modes(system, downward, compliance)
+        step, mu = system.solve(-gradient, target)
+        modes = negative_modes(system, downward)
         if len(modes) == downward:
             return modes.turn_over(step, gradient), mu, negative, downward
     if downward > 0:
         _factorize_positive(problem, evaluation)
-    step, mu = system.solve(-gradient, target, compliance)
+    step, mu = system.solve(-gradient, target)
     return step, mu, negative, downward
 
 
@@ -247,15 +204,13 @@ def _search(
     evaluation: Any,
     step: FloatArray,
     decrement: float,
-    penalty: _Penalty,
     settled: bool,
 ) -> tuple[float, FloatArray, Any]:
     """Halve the step until the energy falls enough; length 0 if it never does.
 
     Energies are sums that round at about 1e-13 of themselves; a settled state is judged no finer.
     """
-    c, active = problem.system.constraint, problem.active
-    start = evaluation.energy + penalty.energy(float(c @ z[active]))
+    active, start = problem.active, evaluation.energy
     slack = (1e-9 if settled else 1e-12) * abs(start) + problem.energy_floor
     length = 1.0
     for _ in range(40):
@@ -267,13 +222,13 @@ def _search(
             kept = problem.keep_apart(evaluation, trial)
             if kept is not None:
                 found = problem.evaluate(kept)
-                value = found.energy + penalty.energy(float(c @ kept[active]))
+                value = found.energy
                 if np.isfinite(value) and value <= start - 1e-4 * decrement:
                     return length, kept, found
         if free < 1.0:
             length *= min(0.9, max(0.1, 0.9 * free))
             continue
-        value = found.energy + penalty.energy(float(c @ trial[active]))
+        value = found.energy
         if np.isfinite(value) and value <= start - 1e-4 * length * decrement + slack:
             return length, trial, found
         length *= 0.5

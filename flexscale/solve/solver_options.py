@@ -11,16 +11,13 @@ import numpy as np
 from flexscale.checks import checked, choice, number, whole
 from flexscale.solve.linear import LINEAR_SOLVERS
 
-CONSTRAINT_METHODS = ("bordered", "augmented_lagrangian")
 TIME_LIMIT = 1800.0  # s, processor time; samples of cells take seconds, of large sheets minutes
 NOT_IN_EXPERIMENTS = {"experiment": False}  # of a field: the machine's and the solver's own
 
 
 @checked(
-    constraint=choice("constraint method", CONSTRAINT_METHODS),
     tolerance=number("1", 1e-15, 1.0, above=0.0, name="solver tolerance"),
     max_iterations=whole(1, 100_000, "solver option max_iterations"),
-    penalty=number("N/mm", 1e-6, 1e9, above=0.0, name="solver option penalty"),
     linear_solver=choice("linear solver", LINEAR_SOLVERS),
     time_limit=number("s", 1e-3, 1e9, above=0.0, name="solver option time_limit"),
 )
@@ -30,20 +27,15 @@ class SolverOptions:
 
     Attributes
     ----------
-    constraint : "bordered" (one loop) or "augmented_lagrangian" with Sherman-Morrison, as in the
-        paper.
     tolerance : Newton decrement at which a state is accepted, relative to its energy.
     max_iterations : factorizations per equilibrium.
-    penalty : N/mm, rho of the augmented Lagrangian.
     linear_solver : "auto", "pardiso" or "superlu".
     time_limit : s, processor time that one sample may take until it is given up.
     deadline : s, of the clock of processor time, at which the present sample is given up.
     """
 
-    constraint: str = "bordered"
     tolerance: float = 1e-9
     max_iterations: int = 60
-    penalty: float = 10.0
     linear_solver: str = field(default="auto", metadata=NOT_IN_EXPERIMENTS)
     time_limit: float = TIME_LIMIT
     deadline: float = field(default=np.inf, repr=False, compare=False, metadata=NOT_IN_EXPERIMENTS)

@@ -12,7 +12,7 @@ class UnconstrainedSystem:
     """Factorizes and solves with H on a fixed pattern.
 
     It answers as `ConstrainedSystem` does, with a constraint of zeros: the multiplier is 0, and
-    target and compliance are of no effect.
+    the target is of no effect.
 
     Parameters
     ----------
@@ -36,12 +36,10 @@ class UnconstrainedSystem:
         negative = self.factorization.factorize(values)
         return 1 if negative < 0 else negative
 
-    def solve(
-        self, right_hand_side: FloatArray, target: float = 0.0, compliance: float = 0.0
-    ) -> tuple[FloatArray, float]:
+    def solve(self, right_hand_side: FloatArray, target: float = 0.0) -> tuple[FloatArray, float]:
         """Solve H dz = r; returns dz (n,) and 0, there being no multiplier."""
         return self.factorization.solve(right_hand_side[:, None])[:, 0], 0.0
 
-    def solve_block(self, right_hand_sides: FloatArray, compliance: float = 0.0) -> FloatArray:
-        """(n, k) solutions without iterative refinement; compliance is of no effect."""
+    def solve_block(self, right_hand_sides: FloatArray) -> FloatArray:
+        """(n, k) solutions without iterative refinement."""
         return self.factorization.solve(right_hand_sides, refine=False)

@@ -38,6 +38,7 @@ Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
 Side = Literal["closing", "opening"]
 
 MATERIALS = {"PETG": PETG, "TPU": TPU}
+_NAMES = " or ".join(MATERIALS)
 
 
 class Block(BaseModel):
@@ -176,10 +177,10 @@ class PatternBlock(Block):
         None, "how far a scale's outline grips the sheet, 2 substrate_thickness if left out", ge=0.0
     )
     scale_material: ScaleMaterial = declared(
-        _default(Pattern, "scale_material"), "material of the scales, or PETG or TPU"
+        _default(Pattern, "scale_material"), f"material of the scales, or {_NAMES}"
     )
     substrate_material: SubstrateMaterial = declared(
-        _default(Pattern, "substrate_material"), "material of the substrate, or PETG or TPU"
+        _default(Pattern, "substrate_material"), f"material of the substrate, or {_NAMES}"
     )
 
     @model_validator(mode="before")

@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from flexscale.checks import choice
 from flexscale.errors import BadInputError, ConfigError, SchemaError, shown
-from flexscale.homogenize.native_model import NativeModel
+from flexscale.homogenize.native_model import NATIVE_MODELS, NativeModel
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
@@ -27,6 +27,7 @@ from flexscale.steps.step import Step, StepBlock
 from flexscale.steps.yaml_file import read_yaml
 
 FigureName = Annotated[str, within(choice("figure", FIGURES), "figure")]
+NativeName = Annotated[str, within(choice("native model", NATIVE_MODELS), "native model")]
 _MOST_MISTAKES = 20  # of a file, told at once
 
 
@@ -34,6 +35,7 @@ class Experiment(Block):
     """An experiment: patterns, options and figures; `ExperimentFile` adds the blocks of steps."""
 
     patterns: dict[str, PatternBlock] = declared(..., "name and description of each pattern")
+    native: NativeName = declared("shell", "native model: shell")
     mesh: Mesh = declared(MeshOptions(), "mesh sizes")
     contact: Contact = declared(ContactOptions(), "how scales touch")
     substrate: Substrate = declared(SubstrateOptions(), "elements of the substrate")
@@ -87,9 +89,10 @@ class Experiment(Block):
             )
 
     @property
-    def native(self) -> NativeModel:
+    def model(self) -> NativeModel:
         """The native model, with all its options."""
         return NativeModel(
+            self.native,
             mesh=self.mesh,
             substrate=self.substrate,
             scales=self.scales,
@@ -131,7 +134,7 @@ class Experiment(Block):
             try:
                 built[name] = description.build(name)
                 for _, block in self.wanted():
-                    block.refuse_of(built[name], self.native)
+                    block.refuse_of(built[name], self.model)
             except BadInputError as error:
                 raise type(error)(f"patterns.{name}: {error}") from error
         return built

@@ -100,7 +100,7 @@ def _jobs_of(pattern: Pattern, experiment: Experiment) -> list[Job]:
     """Jobs of one pattern: the steps the experiment wants, then its figures."""
     made: dict[str, Job] = {}
     for step, block in experiment.wanted():
-        recipe = step.recipe(step.parameters(pattern, experiment.native, block))
+        recipe = step.recipe(step.parameters(pattern, experiment.model, block))
         sources = [made[needed] for needed in block.inputs]
         made[step.name] = _job(
             step.name, step.name, pattern, recipe, sources, block.n_samples(pattern)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from flexscale.datasets.identity import Recipe
 from flexscale.homogenize.checkpoint import Checkpoint
-from flexscale.homogenize.native_model import NativeModel
+from flexscale.homogenize.native_model import NAME, NativeModel
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.blocks import Block
 
@@ -171,10 +171,11 @@ class Step:
         ------
         ValidationError, BadInputError : they are of another version of the step.
         """
-        own = {name: value for name, value in parameters.items() if name not in (*BENT, "pattern")}
+        model = (NAME, *BENT)
+        own = {key: value for key, value in parameters.items() if key not in (*model, "pattern")}
         return Task(
             Pattern.from_config(parameters["pattern"]),
-            NativeModel.from_config({name: parameters.get(name, {}) for name in self.native}),
+            NativeModel.from_config({key: parameters[key] for key in model if key in parameters}),
             self.block.model_validate(own),
             dict(parameters),
         )

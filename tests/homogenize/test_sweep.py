@@ -156,11 +156,6 @@ def test_unknown_side_is_refused():
         fs.sweep(PATTERN, [0.0], [0.001], ["closed"])
 
 
-def test_unknown_constraint_method_is_refused():
-    with pytest.raises(UnknownNameError, match="bordered"):
-        fs.SolverOptions(constraint="border")
-
-
 def test_shapes_follow_the_cylinder():
     """Flat scales on a parabola of mean offset 0 deviate by kappa P^2/12 at most, at the gaps."""
     data = solve_shapes(

@@ -136,25 +136,6 @@ def test_opening_and_closing_part_at_second_order(mesh, degrees):
     assert parts[1] / parts[0] == pytest.approx(4.0, rel=0.05)
 
 
-@pytest.mark.parametrize("problem", [square_problem, hexagon_problem])
-@pytest.mark.parametrize("curvature", [0.01, -0.015])
-def test_augmented_lagrangian_meets_the_bordered_solve(problem, curvature):
-    """The paper's treatment of [Eq. 8] and the bordered system: one state, to 1e-8 mm."""
-    problem = problem()
-    options = SolverOptions(constraint="augmented_lagrangian", max_iterations=200)
-    side = "closing" if curvature > 0.0 else "opening"
-    line = Line(side, 25.0, (0.8 * abs(curvature),))
-    (sample,) = follow_line(problem, line, SolverOptions())
-    # Moved on with the bend, so that no strip of sheet is thrown over into another state.
-    near = sample["state"] + 0.2 * abs(curvature) * sample["rate"]
-    _, lagrangian = solve(problem, curvature, 25.0, options, near)
-    _, bordered = solve(problem, curvature, 25.0, start=near)
-    assert lagrangian.status == bordered.status == SolveStatus.converged
-    assert np.abs(lagrangian.z - bordered.z).max() < 1e-8
-    assert lagrangian.multiplier == pytest.approx(bordered.multiplier, rel=1e-6)
-    assert lagrangian.iterations > bordered.iterations
-
-
 def test_the_constraint_holds_and_does_no_work_at_small_curvature():
     problem = square_problem()
     _, solution = solve(problem, 0.01, 45.0)

@@ -85,19 +85,6 @@ def test_constrained_solution_and_inertia(name, n_negative, singular):
     assert multiplier == pytest.approx(expected[-1], rel=1e-8)
 
 
-@pytest.mark.parametrize("name", BACKENDS)
-def test_compliance_is_the_sherman_morrison_system(name):
-    """(H + 2 rho c c^T) dz = r, the augmented Lagrangian's Newton step [Eq. 9]."""
-    factorization, indptr, values = build(name, matrix())
-    generator = np.random.default_rng(4)
-    constraint, right, rho = generator.random(N), generator.normal(size=N), 7.0
-    system = ConstrainedSystem(factorization, indptr[:-1], constraint, 5)
-    system.factorize(values)
-    step, _ = system.solve(right, compliance=0.5 / rho)
-    dense = matrix() + 2.0 * rho * np.outer(constraint, constraint)
-    assert step == pytest.approx(np.linalg.solve(dense, right), rel=1e-9)
-
-
 def test_damping_makes_a_matrix_positive():
     factorization, indptr, values = build("superlu", matrix(3))
     system = ConstrainedSystem(factorization, indptr[:-1], np.ones(N), 0)

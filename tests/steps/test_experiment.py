@@ -125,8 +125,7 @@ def test_resolved_experiment_reads_back_the_same() -> None:
         (SMALL | {"sweep": {"directions": [30, 0], "curvatures": [0]}}, "0 follows 30"),
         (SMALL | {"sweep": {"directions": [0], "curvatures": [0.001]}}, "must be 0"),
         (SMALL | {"sweep": {"directions": [0], "curvatures": {"stop": 1}}}, "exactly the keys"),
-        (SMALL | {"solver": {"constraint": "none"}}, "constraint method"),
-        (SMALL | {"solver": {"penalti": 1}}, "Did you mean 'penalty'"),
+        (SMALL | {"solver": {"toleranse": 1}}, "Did you mean 'tolerance'"),
         (SMALL | {"mesh": {"along": "1 MPa"}}, "mesh.along: '1 MPa' is not a value in mm"),
         (
             SMALL | {"mesh": {"across": True}},

@@ -33,7 +33,7 @@ class NativeRigBlock(StageBlock, StepBlock):
 
     def refuse_in(self, experiment: Experiment) -> None:
         """Options that only a periodic cell has."""
-        require_finite_sheet(experiment.native)
+        require_finite_sheet(experiment.model)
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
         """A mesh that is too large."""

@@ -58,7 +58,7 @@ class NativeSheetBlock(StripsBlock):
 
     def refuse_in(self, experiment: Experiment) -> None:
         """Options that only a periodic cell has."""
-        require_finite_sheet(experiment.native)
+        require_finite_sheet(experiment.model)
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
         """A mesh that is too large."""

@@ -39,6 +39,12 @@ class Bend:
     curvature: float
     direction: float
 
+    @property
+    def tensor(self) -> FloatArray:
+        """(2, 2) curvature tensor of a unit curvature in this direction, n n^T."""
+        n = np.array([np.cos(self.direction), np.sin(self.direction)])
+        return np.outer(n, n)
+
 
 @dataclass(frozen=True)
 class ImageVectors:

@@ -23,7 +23,8 @@ from flexscale.homogenize.hold import Hold, Periodic
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.substrate import build_embedding, build_substrate
-from flexscale.mechanics.contact import ContactSurface, ScaleContact, barrier_stiffness
+from flexscale.mechanics.barrier import barrier_stiffness
+from flexscale.mechanics.contact import ContactSurface, ScaleContact
 from flexscale.mechanics.energy import ALL, NOTHING, Energy
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mesh.periodic_mesh import PeriodicMesh
@@ -140,6 +141,11 @@ class CellProblem:
         sheet = model.substrate_material.young_modulus * model.substrate_thickness
         scales = model.scale_material.young_modulus * mesh.scale_height
         self.energy_floor = mesh.cell_area * (1e-24 * sheet + 1e-29 * scales)
+
+    @property
+    def gap(self) -> float:
+        """mm, between scales at rest."""
+        return self.model.gap
 
     def _build_pull_back(self, inner: CellEmbedding) -> PullBack | BodyPullBack:
         """What takes Hessians by world vectors to those by the active unknowns."""

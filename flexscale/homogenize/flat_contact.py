@@ -101,7 +101,7 @@ def solve_flat_contact(problem: CellProblem, overlap: float = OVERLAP) -> FlatCo
     overlap = require_positive(overlap, "overlap", "of a gap")
     if problem.contact is None:
         return FlatContact(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 0)))
-    return _Search(problem, problem.contact, overlap * problem.model.gap).run()
+    return _Search(problem, problem.contact, overlap * problem.gap).run()
 
 
 class _Search:
@@ -110,7 +110,7 @@ class _Search:
     def __init__(self, problem: CellProblem, contact: ScaleContact, overlap: float) -> None:
         self.problem, self.contact, self.overlap = problem, contact, overlap
         self.bends: FlatBends = bend_flat(problem)
-        self.gaps: LinearGaps = contact.gaps(self.bends.state.world.y, REACH * problem.model.gap)
+        self.gaps: LinearGaps = contact.gaps(self.bends.state.world.y, REACH * problem.gap)
         slopes = [
             self._changes(rate) + self._changes(self._push(relaxed))
             for rate, relaxed in zip(self.bends.rates, self.bends.relaxed, strict=True)
@@ -158,11 +158,10 @@ class _Search:
         return found
 
     def _take(self, new: IntArray) -> None:
-        surface, world_map = self.contact.surface, self.problem.embedding.world_map
+        world_map = self.problem.embedding.world_map
         world, active = self.bends.state.world, self.problem.active
         for entry in new:
-            on_rows = np.zeros_like(world.y)
-            on_rows[surface.rows] = surface.weights.T @ self.gaps.forces(entry)
+            on_rows = self.contact.spread(self.gaps.forces(entry), len(world.y))
             slope = world_map.pull_gradient(world, on_rows)[active]
             answer = self.problem.area * self.problem.system.solve(slope)[0]
             column = self._changes(self._push(answer))

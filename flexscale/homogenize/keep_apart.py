@@ -65,7 +65,7 @@ class _Search:
     ) -> None:
         self.problem, self.contact, self.bend = problem, contact, bend
         self.start = start
-        self.gaps = contact.gaps(start, problem.model.gap)
+        self.gaps = contact.gaps(start, problem.gap)
         self.starts = np.minimum(self.gaps.distances, contact.activation_distance)
         self.goals = _SHARE * self.starts
         self.held = np.zeros(0, dtype=np.int64)
@@ -127,9 +127,7 @@ class _Search:
         self._move()
 
     def _slope(self, entry: int) -> FloatArray:
-        surface = self.contact.surface
-        on_rows = np.zeros_like(self.world.y)
-        on_rows[surface.rows] = surface.weights.T @ self.gaps.forces(entry)
+        on_rows = self.contact.spread(self.gaps.forces(entry), len(self.world.y))
         world_map = self.problem.embedding.world_map
         slope: FloatArray = world_map.pull_gradient(self.world, on_rows)[self.problem.active]
         return slope

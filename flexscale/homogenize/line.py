@@ -330,7 +330,7 @@ def _measure(
     }
     if problem.contact is not None:
         y = state.world.y
-        numbers["min_gap"] = problem.contact.smallest_distance(y, 2.0 * problem.model.gap)
+        numbers["min_gap"] = problem.contact.smallest_distance(y, 2.0 * problem.gap)
         numbers["contact_pairs"] = problem.contact.active_pairs(y)
         numbers["contact_force"] = problem.contact.force(y)
         numbers["barrier_stiffness"] = problem.contact.stiffness

@@ -15,26 +15,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from flexscale.arrays import FloatArray, IntArray
+from flexscale.mechanics.barrier import MOST_SWEEP_STEPS, SWEEPS, Barrier
 from flexscale.mechanics.contact_gaps import LinearGaps
 
 ipctk.set_num_threads(1)
 
-SWEEPS = 4  # of collision detection along one way
-# Steps of one pair of primitives in a sweep. Each step is as long as the pair is apart, so that
-# walls 1e-6 mm apart that slide 0.5 mm along one another would take 600,000; a sweep that ends
-# early tells a shorter way that is free.
-MOST_SWEEP_STEPS = 10_000
 NEAR = 20.0  # d_hat: primitives closer than this get room in the Hessian when contact needs any
-
-
-def barrier_stiffness(force: float, activation_distance: float) -> float:
-    """Stiffness at which one pair at half the activation distance pushes with `force` [N].
-
-    With b(d) = -(d^2 - d_hat^2)^2 ln(d^2/d_hat^2), db/dd at d_hat/2 is -4.33 d_hat^3.
-    """
-    s = 0.25
-    slope = -2.0 * (s - 1.0) * np.log(s) - (s - 1.0) ** 2 / s
-    return force / (-slope * activation_distance**3)
 
 
 @dataclass(frozen=True)
@@ -63,7 +49,7 @@ class ContactSurface:
     neighbors: IntArray
 
 
-class ScaleContact:
+class ScaleContact(Barrier):
     """Barrier energy of a contact surface; its elements are found anew at every state.
 
     Parameters
@@ -78,30 +64,29 @@ class ScaleContact:
     def __init__(
         self, surface: ContactSurface, activation_distance: float, stiffness: float
     ) -> None:
+        super().__init__(activation_distance, stiffness)
         self.surface = surface
-        self.activation_distance = activation_distance
         triangles = surface.triangles.astype(np.int32)
         rest = np.asfortranarray(surface.rest)
         self._mesh = ipctk.CollisionMesh(rest, ipctk.edges(triangles), triangles)
         apart = ipctk.make_vertex_patches_filter(surface.bodies.astype(np.int32))
         self._mesh.can_collide = apart & ipctk.make_static_obstacle_filter(surface.n_home)
-        self.stiffness = stiffness
         self._sweep = ipctk.AdditiveCCD(MOST_SWEEP_STEPS)
         self._found: tuple[FloatArray, FloatArray, ipctk.NormalCollisions] | None = None
 
     @property
-    def stiffness(self) -> float:
-        """Stiffness of the barrier; it may be changed between solves."""
-        return self._stiffness
-
-    @stiffness.setter
-    def stiffness(self, value: float) -> None:
-        self._stiffness = value
-        self._potential = ipctk.BarrierPotential(self.activation_distance, value)
+    def _potential(self) -> ipctk.BarrierPotential:
+        return ipctk.BarrierPotential(self.activation_distance, self.stiffness)
 
     def positions(self, y: FloatArray) -> FloatArray:
         """(n, 3) world positions of the surface's vertices, mm."""
         return np.asfortranarray(self.surface.weights @ y[self.surface.rows])
+
+    def spread(self, forces: FloatArray, n_rows: int) -> FloatArray:
+        """(n_rows, 3) forces on rows of y for those on the surface's vertices."""
+        out = np.zeros((n_rows, 3))
+        out[self.surface.rows] = self.surface.weights.T @ forces
+        return out
 
     def _collisions(self, y: FloatArray) -> tuple[FloatArray, ipctk.NormalCollisions]:
         if self._found is None or self._found[0] is not y:
@@ -185,21 +170,6 @@ class ScaleContact:
         bodies = np.where(used, self.surface.bodies[stencils], self.surface.bodies[stencils[:, :1]])
         pairs = bodies.min(axis=1) * (self.surface.bodies.max() + 1) + bodies.max(axis=1)
         return LinearGaps(matrix, arrows / distances[:, None], distances, pairs)
-
-    def push(self, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Force [N] of pairs at distances 0 < d <= d_hat, and how it grows as they close [N/mm]."""
-        d_hat = self.activation_distance
-        s = (distance / d_hat) ** 2
-        slope = 2.0 * (s - 1.0) * np.log(s) + (s - 1.0) ** 2 / s
-        growth = 2.0 * np.log(s) + 4.0 * (s - 1.0) / s - ((s - 1.0) / s) ** 2
-        scale = 2.0 * self.stiffness * d_hat**2
-        return scale * distance * slope, -scale * (slope + 2.0 * s * growth)
-
-    def distance_at(self, force: FloatArray) -> FloatArray:
-        """Distances [mm] at which pairs push with forces >= 0 [N]; to a thousandth of d_hat."""
-        distances = self.activation_distance * np.linspace(1.0, 1e-3, 1000)
-        found: FloatArray = np.interp(force, self.push(distances)[0], distances)
-        return found
 
     def near_pairs(self, y: FloatArray) -> IntArray:
         """(n, 2) rows a <= b that primitives closer than `NEAR` d_hat couple."""

@@ -1,0 +1,235 @@
+"""The native model `joints`: rigid scales on line joints, bent as a periodic cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexscale.arrays import FloatArray
+from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.pair_kernels import (
+    add_blocks,
+    all_joints,
+    gather_column,
+    pull_forces,
+    pull_stencils,
+)
+from flexscale.embedding.rigid_cell import RigidCell, RigidWorld, find_rigid_scales
+from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
+from flexscale.homogenize.keep_apart import keep_apart
+from flexscale.homogenize.native_model import NativeModel
+from flexscale.mechanics.barrier import barrier_stiffness
+from flexscale.mechanics.energy import ALL, NOTHING
+from flexscale.mechanics.joint_law import JointLaw
+from flexscale.mechanics.prism_contact import PrismContact
+from flexscale.patterns.joint_lines import find_joints
+from flexscale.patterns.pattern import Pattern
+from flexscale.solve.constraint import ConstrainedSystem
+from flexscale.solve.linear import build_factorization
+
+
+@dataclass(frozen=True)
+class JointState:
+    """Energy and forces of the cell at a state z.
+
+    Attributes
+    ----------
+    parts : (n_parts,) N mm, in the order of `JointCell.part_names`.
+    energy : N mm, their sum.
+    gradient : (n_active,) dE/dz of the active unknowns.
+    moment : N mm2, dE/dkappa at fixed z.
+    """
+
+    z: FloatArray
+    world: RigidWorld
+    parts: FloatArray
+    energy: float
+    gradient: FloatArray
+    moment: float
+
+
+class JointCell:
+    """Rigid scales of one lattice cell on joints of one law, to be bent.
+
+    Parameters
+    ----------
+    pattern : the scale pattern.
+    law : of its joints.
+    native : contact and linear solver; the default model if not given.
+    """
+
+    def __init__(self, pattern: Pattern, law: JointLaw, native: NativeModel | None = None) -> None:
+        native = native or NativeModel()
+        self.pattern, self.law, self.native = pattern, law, native
+        joints = find_joints(pattern)
+        scales = find_rigid_scales(pattern, joints, native.contact.enabled)
+        self.embedding = RigidCell(scales)
+        self.active, self.area = self.embedding.active, pattern.cell_area
+        self._place_joints(joints)
+        self.contact = self._build_contact()
+        self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
+        self.part_names = ("joints", *([] if self.contact is None else ["contact"]))
+        self.shift_mode = self.embedding.shift_mode[self.active]
+        sheet = pattern.substrate_material.young_modulus * pattern.substrate_thickness
+        self.energy_floor = self.area * 1e-24 * sheet
+        self._build_system()
+
+    def _place_joints(self, joints) -> None:
+        scales = self.embedding.scales
+        n = len(scales.pairs)
+        self._arms = np.zeros((n, 2, 3))
+        counts = np.zeros(n, dtype=np.int64)
+        points, normals, weights = [], [], []
+        for k, joint in enumerate(joints):
+            middle = joint.weights @ joint.points / joint.weights.sum()
+            self._arms[k, 0, :2] = middle - scales.anchors[joint.first]
+            self._arms[k, 1, :2] = self._arms[k, 0, :2] - scales.ways[k]
+            counts[k] = len(joint.points)
+            points.append(joint.points - middle)
+            normals.append(joint.normals)
+            weights.append(joint.weights)
+        self._starts = np.concatenate([[0], np.cumsum(counts)])
+        self._stations = tuple(np.concatenate(x) for x in (points, normals, weights))
+        law = self.law
+        self._law = (law.exponents, law.coefficients, law.thickness, law.modulus, law.bounds)
+
+    def _build_contact(self) -> PrismContact | None:
+        options, pattern = self.native.contact, self.pattern
+        if not options.enabled:
+            return None
+        # The force that stretches a strip of sheet as wide as the gap to twice its length.
+        modulus = pattern.substrate_material.young_modulus
+        force = modulus * pattern.substrate_thickness * pattern.gap
+        distance = options.activation * pattern.gap
+        stiffness = options.stiffness * barrier_stiffness(force, distance)
+        return PrismContact(self.embedding.scales.rows, distance, stiffness)
+
+    def _build_system(self) -> None:
+        cell = self.embedding
+        position = np.full(cell.n_unknowns + 1, -1, dtype=np.int64)
+        position[cell.active] = np.arange(len(cell.active))
+        places = position[cell.variables()]
+        first = np.broadcast_to(places[:, :, None], (*places.shape, N_VARIABLES))
+        second = np.broadcast_to(places[:, None, :], first.shape)
+        kept = (first >= 0) & (second >= 0) & (first <= second)
+        n = len(cell.active)
+        diagonal = np.arange(n)
+        keys = np.unique(np.concatenate([first[kept] * n + second[kept], diagonal * n + diagonal]))
+        indptr = np.searchsorted(keys, np.arange(n + 1) * n)
+        self._n_values = len(keys)
+        self._pattern = (indptr, keys % n)
+        self._slots = np.full(first.shape, -1, dtype=np.int64)
+        self._slots[kept] = np.searchsorted(keys, first[kept] * n + second[kept])
+        factorization = build_factorization(indptr, keys % n, self.native.solver.linear_solver)
+        self.system = ConstrainedSystem(
+            factorization,
+            indptr[:-1].astype(np.int64),
+            cell.mean_offset[cell.active],
+            int(np.searchsorted(cell.active, cell.shift_unknown)),
+        )
+
+    @property
+    def gap(self) -> float:
+        """mm, between scales at rest."""
+        return self.pattern.gap
+
+    def fit_room(self, z: FloatArray, bend: Bend) -> None:
+        """Nothing: neighbors have room in the Hessian whether they touch or not."""
+
+    def bent(self, bend: Bend) -> BentJoints:
+        """The cell's energy as a function of z under a macroscopic bend."""
+        return BentJoints(self, bend)
+
+    def joints(self, poses: FloatArray, order: int, gradient: FloatArray, blocks: FloatArray) -> float:
+        """Energy of the joints, with derivatives added as `pair_kernels.all_joints` says."""
+        scales = self.embedding.scales
+        return float(
+            all_joints(
+                poses, scales.pairs, self._arms, self._starts, *self._stations, *self._law, order,
+                gradient, blocks,
+            )  # fmt: skip
+        )
+
+
+_NO_BLOCKS = np.zeros((0, N_VARIABLES, N_VARIABLES))
+
+
+class BentJoints:
+    """A cell of joints under one bend: an `Objective` for `solve.newton`."""
+
+    def __init__(self, problem: JointCell, bend: Bend) -> None:
+        self.problem, self.bend = problem, bend
+        self.active, self.shift_mode = problem.active, problem.shift_mode
+        self.energy_floor = problem.energy_floor
+
+    @property
+    def system(self) -> ConstrainedSystem:
+        """Linear systems on the pattern of neighbors."""
+        return self.problem.system
+
+    def evaluate(self, z: FloatArray) -> JointState:
+        """Energy and gradient at z."""
+        problem, cell = self.problem, self.problem.embedding
+        world = cell.place(z, self.bend)
+        gradient = np.zeros(cell.n_unknowns + 1)
+        parts = [problem.joints(world.poses, 1, gradient, _NO_BLOCKS)]
+        if problem.contact is not None:
+            parts.append(float(problem.contact.energy_parts(world.y)[0]))
+            if 0.0 < parts[1] < np.inf:
+                forces = np.zeros_like(world.y)
+                problem.contact.add_gradient(world.y, forces)
+                gradient += cell.pull_all(world, forces)
+        values = np.array(parts)
+        return JointState(
+            z, world, values, float(values.sum()), gradient[problem.active], float(gradient[-1])
+        )
+
+    def _blocks(self, state: JointState, project: str = NOTHING) -> FloatArray:
+        """(n_pairs, 16, 16) second derivatives by each pair's variables."""
+        problem, cell = self.problem, self.problem.embedding
+        scales, rows = cell.scales, cell.scales.rows
+        poses = cell.poses(state.z, self.bend, 2)
+        blocks = np.zeros((len(scales.pairs), N_VARIABLES, N_VARIABLES))
+        unused = np.zeros(cell.n_unknowns + 1)
+        problem.joints(poses, 2, unused, blocks)
+        if problem.contact is not None and state.parts[1] > 0.0:
+            stencils, slopes, hessians = problem.contact.derivatives(
+                state.world.y, project != NOTHING
+            )
+            forces = np.zeros_like(state.world.y)
+            np.add.at(forces, stencils.ravel(), slopes.reshape(-1, 3))
+            where = (rows.pair, rows.second, rows.rest)
+            pull_forces(poses, scales.pairs, *where, forces, 2, unused, blocks)
+            pull_stencils(poses, *where, stencils, hessians, blocks)
+        if project == ALL:
+            values, modes = np.linalg.eigh(blocks[:, :OF_KAPPA, :OF_KAPPA])
+            modes *= np.sqrt(np.maximum(values, 0.0))[:, None, :]
+            blocks[:, :OF_KAPPA, :OF_KAPPA] = modes @ modes.transpose(0, 2, 1)
+        return blocks
+
+    def hessian_values(self, state: JointState, project: str = NOTHING) -> FloatArray:
+        """(nnz,) upper triangle of d2E/dz2; `project` replaces parts by their positive part."""
+        values = np.zeros(self.problem._n_values)
+        add_blocks(self._blocks(state, project), self.problem._slots, values)
+        return values
+
+    def gradient_rate(self, state: JointState) -> FloatArray:
+        """(n_active,) d(dE/dz)/dkappa at fixed z."""
+        cell = self.problem.embedding
+        out = np.zeros(cell.n_unknowns + 1)
+        gather_column(self._blocks(state), cell.scales.pairs, OF_KAPPA, out)
+        return out[self.active]
+
+    def free_share(self, state: JointState, trial: JointState) -> float:
+        """Share of the straight way from one state to another on which no scales meet."""
+        contact = self.problem.contact
+        return 1.0 if contact is None else contact.free_share(state.world.y, trial.world.y)
+
+    def keep_apart(self, state: JointState, wanted: FloatArray) -> FloatArray | None:
+        """A state near a wanted one to which no scales meet on the way from `state`."""
+        return keep_apart(self.problem, state.world.y, wanted, self.bend)
+
+    def moment(self, state: JointState) -> float:
+        """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""
+        return state.moment / self.problem.area

@@ -1,0 +1,303 @@
+"""Distances between walls, edges and corners of two prisms, and the barrier between them.
+
+A candidate is four rows of world positions: a corner and three corners of a wall (two along its
+base, one above the first), or two edges. Distances are those of the closed sets: where the nearest
+point of a wall lies on its rim, that of the corner to an edge or a corner. The barrier is that of
+Incremental Potential Contact (Li et al. 2020), b(D) = -(D - D_hat)^2 ln(D / D_hat) of the squared
+distance D; that of two edges is multiplied by their mollifier, since nearest points of parallel
+edges are not unique, and corners before walls see those anyway. The sum over all candidates is
+smooth, and has the symmetry of the prisms.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from flexscale.arrays import FloatArray, IntArray
+from flexscale.mechanics.jets import add_product, compose, constant
+
+N = 12  # coordinates of a candidate
+PARALLEL = 1e-3  # squared sine of the angle of two edges, below which their barrier fades
+_SAME_WAY = 1e-9  # squared sine, below which two edges are a point and a line
+_TOUCHING = 1e-16  # of D_hat: nearer is rounding
+_SHARE = 0.9  # of a distance that one step of collision detection may use up
+
+
+@njit(cache=True)
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True)
+def nearest(is_wall: bool, x: FloatArray, shares: FloatArray) -> tuple[float, int]:
+    """Squared distance of a candidate, and how many of its features are at their rims.
+
+    x : (4, 3) rows. shares : (4,) filled with the weights of the rows in the arrow between nearest
+    points, from the second thing to the first.
+
+    Returns
+    -------
+    squared distance, and code: 0 point to point, 1 point to line, 2 point to plane, 3 two lines.
+    """
+    if is_wall:
+        e, f, r = x[2] - x[1], x[3] - x[1], x[0] - x[1]
+        a, b = _dot(r, e) / _dot(e, e), _dot(r, f) / _dot(f, f)
+        rims = 0
+        if a <= 0.0 or a >= 1.0:
+            a, rims = min(max(a, 0.0), 1.0), rims + 1
+        if b <= 0.0 or b >= 1.0:
+            b, rims = min(max(b, 0.0), 1.0), rims + 1
+        shares[0], shares[1], shares[2], shares[3] = 1.0, a + b - 1.0, -a, -b
+        code = 2 - rims
+    else:
+        u, v, r = x[1] - x[0], x[3] - x[2], x[0] - x[2]
+        uu, uv, vv, ur, vr = _dot(u, u), _dot(u, v), _dot(v, v), _dot(u, r), _dot(v, r)
+        det = uu * vv - uv * uv
+        apart = det > _SAME_WAY * uu * vv
+        s = min(max((uv * vr - vv * ur) / det, 0.0), 1.0) if apart else 0.5
+        t = (uv * s + vr) / vv
+        if t < 0.0:
+            t = 0.0
+            s = min(max(-ur / uu, 0.0), 1.0)
+        elif t > 1.0:
+            t = 1.0
+            s = min(max((uv - ur) / uu, 0.0), 1.0)
+        shares[0], shares[1], shares[2], shares[3] = 1.0 - s, s, t - 1.0, -t
+        inner_s, inner_t = 0.0 < s < 1.0, 0.0 < t < 1.0
+        code = 3 if inner_s and inner_t and apart else (1 if inner_s or inner_t else 0)
+    arrow = shares[0] * x[0] + shares[1] * x[1] + shares[2] * x[2] + shares[3] * x[3]
+    return _dot(arrow, arrow), code
+
+
+@njit(cache=True)
+def barrier(d: float, d_hat: float) -> tuple[float, float, float]:
+    """b(D) and its two derivatives by D, for D < D_hat."""
+    r, ln = d - d_hat, np.log(d / d_hat)
+    return -r * r * ln, -2.0 * r * ln - r * r / d, -2.0 * ln - 4.0 * r / d + (r / d) ** 2
+
+
+@njit(cache=True)
+def mollifier(sine: float) -> tuple[float, float, float]:
+    """m of the squared sine of two edges' angle, and its two derivatives."""
+    if sine >= PARALLEL:
+        return 1.0, 0.0, 0.0
+    s = sine / PARALLEL
+    return s * (2.0 - s), 2.0 * (1.0 - s) / PARALLEL, -2.0 / PARALLEL**2
+
+
+@njit(cache=True)
+def energy_of(is_wall: bool, x: FloatArray, d_hat: float, shares: FloatArray) -> float:
+    """Barrier of a candidate, of stiffness 1; d_hat : mm2, squared."""
+    squared, _ = nearest(is_wall, x, shares)
+    if squared >= d_hat:
+        return 0.0
+    if squared <= _TOUCHING * d_hat:
+        return np.inf
+    energy = barrier(squared, d_hat)[0]
+    return energy if is_wall else energy * mollifier(_sine(x))[0]
+
+
+@njit(cache=True)
+def _sine(x: FloatArray) -> float:
+    u, v = x[1] - x[0], x[3] - x[2]
+    uv = _dot(u, v)
+    return max(1.0 - uv * uv / (_dot(u, u) * _dot(v, v)), 0.0)
+
+
+@njit(cache=True)
+def _combine(weights: FloatArray, x: FloatArray, out: FloatArray) -> None:
+    """out (3, jet) = sum of weights times rows, as functions of the rows' coordinates."""
+    out[:] = 0.0
+    for c in range(3):
+        for k in range(4):
+            out[c, 0] += weights[k] * x[k, c]
+            out[c, 1 + 3 * k + c] = weights[k]
+
+
+@njit(cache=True)
+def _cross(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        constant(out[i], 0.0)
+        add_product(out[i], 1.0, a[j], b[k], N, 2)
+        add_product(out[i], -1.0, a[k], b[j], N, 2)
+
+
+@njit(cache=True)
+def _inner(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+    constant(out, 0.0)
+    for i in range(3):
+        add_product(out, 1.0, a[i], b[i], N, 2)
+
+
+@njit(cache=True)
+def _ratio(above: FloatArray, below: FloatArray, inverse: FloatArray, out: FloatArray) -> None:
+    v = below[0]
+    compose(inverse, below, 1.0 / v, -1.0 / v**2, 2.0 / v**3, N, 2)
+    constant(out, 0.0)
+    add_product(out, 1.0, above, inverse, N, 2)
+
+
+@njit(cache=True)
+def barrier_jet(
+    is_wall: bool, x: FloatArray, d_hat: float, work: FloatArray, out: FloatArray
+) -> bool:
+    """Barrier of a candidate with its derivatives by the coordinates; False beyond D_hat.
+
+    x : (4, 3); work : (16, jet) of N variables; out : (jet,).
+    """
+    shares = np.empty(4)
+    squared, code = nearest(is_wall, x, shares)
+    if squared >= d_hat:
+        return False
+    distance, one, two, part = work[0], work[1], work[2], work[3]
+    arrow, u, v, normal = work[4:7], work[7:10], work[10:13], work[13:16]
+    weights = np.empty(4)
+    if code == 0:
+        _combine(shares, x, arrow)
+        _inner(arrow, arrow, distance)
+    elif code == 1:
+        weights[:] = 0.0
+        if is_wall:  # the rim on which the nearest point lies
+            a, b = -shares[2], -shares[3]
+            weights[2 if b <= 0.0 or b >= 1.0 else 3] = 1.0
+            weights[1] = -1.0
+            shares[1] = a + b - 1.0
+        elif shares[0] == 0.0 or shares[1] == 0.0:
+            weights[2], weights[3] = -1.0, 1.0
+        else:
+            weights[0], weights[1] = -1.0, 1.0
+        # The nearest point may be any fixed one of the line.
+        _combine(shares, x, arrow)
+        _combine(weights, x, u)
+        _cross(arrow, u, normal)
+        _inner(normal, normal, one)
+        _inner(u, u, two)
+        _ratio(one, two, part, distance)
+    else:
+        weights[:] = 0.0
+        if is_wall:
+            weights[1], weights[2] = -1.0, 1.0
+            _combine(weights, x, u)
+            weights[2], weights[3] = 0.0, 1.0
+        else:
+            weights[0], weights[1] = -1.0, 1.0
+            _combine(weights, x, u)
+            weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
+        _combine(weights, x, v)
+        _combine(shares, x, arrow)
+        _cross(u, v, normal)
+        _inner(arrow, normal, part)
+        constant(one, 0.0)
+        add_product(one, 1.0, part, part, N, 2)
+        _inner(normal, normal, two)
+        _ratio(one, two, part, distance)
+    b = barrier(distance[0], d_hat)
+    compose(out, distance, b[0], b[1], b[2], N, 2)
+    if not is_wall:
+        sine = _sine(x)
+        if sine < PARALLEL:
+            weights[:] = 0.0
+            weights[0], weights[1] = -1.0, 1.0
+            _combine(weights, x, u)
+            weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
+            _combine(weights, x, v)
+            _cross(u, v, normal)
+            _inner(normal, normal, one)
+            _inner(u, u, part)
+            _inner(v, v, distance)
+            constant(two, 0.0)
+            add_product(two, 1.0, part, distance, N, 2)
+            _ratio(one, two, part, distance)
+            m = mollifier(distance[0])
+            compose(part, distance, m[0], m[1], m[2], N, 2)
+            constant(one, 0.0)
+            add_product(one, 1.0, part, out, N, 2)
+            out[:] = one
+    return True
+
+
+@njit(cache=True)
+def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps: int) -> float:
+    """Share of a candidate's straight way, (4, 3) to (4, 3), on which nothing passes through.
+
+    Additive conservative advancement (Li et al. 2021): no step is longer than the distance.
+    """
+    shares, way = np.empty(4), end - start
+    mean = 0.25 * (way[0] + way[1] + way[2] + way[3])
+    lengths = np.empty(5)
+    for k in range(4):
+        way[k] -= mean
+        lengths[k] = np.sqrt(_dot(way[k], way[k]))
+    if is_wall:
+        far = way[2] + way[3] - way[1]
+        wall = max(max(lengths[1], lengths[2]), max(lengths[3], np.sqrt(_dot(far, far))))
+        speed = lengths[0] + wall
+    else:
+        speed = max(lengths[0], lengths[1]) + max(lengths[2], lengths[3])
+    distance = np.sqrt(nearest(is_wall, start, shares)[0])
+    if distance > speed:
+        return 1.0
+    stop, done = 0.1 * distance, 0.0
+    step = _SHARE * distance / speed
+    for _ in range(most_steps):
+        done += step
+        if done >= 1.0:
+            return 1.0
+        distance = np.sqrt(nearest(is_wall, start + done * way, shares)[0])
+        if distance < stop:
+            return done - step
+        step = _SHARE * distance / speed
+    return done
+
+
+@njit(cache=True)
+def total_energy(
+    y: FloatArray, stencils: IntArray, walls: int, d_hat: float
+) -> tuple[float, int, float]:
+    """Barrier of all candidates, stiffness 1; how many act; the smallest squared distance.
+
+    stencils : (n, 4) rows of y; the first `walls` of them are corners before walls.
+    """
+    energy, acting, smallest = 0.0, 0, np.inf
+    x, shares = np.empty((4, 3)), np.empty(4)
+    for k in range(len(stencils)):
+        for i in range(4):
+            x[i] = y[stencils[k, i]]
+        squared, _ = nearest(k < walls, x, shares)
+        smallest = min(smallest, squared)
+        if squared < d_hat:
+            acting += 1
+            energy += energy_of(k < walls, x, d_hat, shares)
+    return energy, acting, smallest
+
+
+@njit(cache=True)
+def closer_than(
+    y: FloatArray, stencils: IntArray, walls: int, squared_reach: float,
+    found: IntArray, shares: FloatArray,
+) -> int:
+    """Candidates closer than a reach, (n,) and the weights (n, 4) of their arrows; how many."""
+    n, own, x = 0, np.empty(4), np.empty((4, 3))
+    for k in range(len(stencils)):
+        for i in range(4):
+            x[i] = y[stencils[k, i]]
+        if nearest(k < walls, x, own)[0] < squared_reach:
+            found[n], shares[n] = k, own
+            n += 1
+    return n
+
+
+@njit(cache=True)
+def all_free_share(
+    start: FloatArray, end: FloatArray, stencils: IntArray, walls: int, most_steps: int
+) -> float:
+    """Smallest free share of all candidates."""
+    share, x0, x1 = 1.0, np.empty((4, 3)), np.empty((4, 3))
+    for k in range(len(stencils)):
+        for i in range(4):
+            x0[i], x1[i] = start[stencils[k, i]], end[stencils[k, i]]
+        x1 = x0 + share * (x1 - x0)
+        share *= free_share_of(k < walls, x0, x1, most_steps)
+    return share

@@ -1,0 +1,167 @@
+"""Joints: the lines along which the sheet between two scales is strained, with stations on them.
+
+The scales of two tiles that share an edge face one another across the gap. A scale ends short of
+the tiling's vertex, by half the gap over the tangent of half its angle there: at sharp tips its
+walls end far from the vertex, and what of the sheet lies beyond is strained little. A joint
+therefore runs where both walls face one another, and beyond by `END_SHARE` of the gap at either
+end, but not past the vertex.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from flexscale.arrays import FloatArray, IntArray
+from flexscale.errors import PatternError
+from flexscale.patterns.outlines import inset_edges
+from flexscale.patterns.pattern import Pattern
+
+#: Of the gap, by which a joint goes on beyond where walls face one another.
+END_SHARE = 0.9
+_MOST, _FEWEST = 6, 2  # stations on a straight piece: exact for polynomials of degree 11 and 3
+_SAME = 1e-6  # of the cell, between midpoints of one edge as an edge of two tiles
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """Stations of all joints between one scale and one other.
+
+    Attributes
+    ----------
+    first, second : numbers of the scales.
+    offset : (2,) lattice vector of the second, in whole multiples of t1 and t2.
+    points : (n, 2) stations, mm, where the first scale is at home.
+    normals : (n, 2) across the joint, from the first to the second.
+    weights : (n,) length of joint that a station stands for, mm.
+    """
+
+    first: int
+    second: int
+    offset: tuple[int, int]
+    points: FloatArray
+    normals: FloatArray
+    weights: FloatArray
+
+    @property
+    def turned(self) -> Joint:
+        """The same, seen from the second scale."""
+        m, n = self.offset
+        return Joint(
+            self.second, self.first, (-m, -n), self.points, -self.normals, self.weights
+        )
+
+
+def find_joints(pattern: Pattern, end_share: float = END_SHARE) -> list[Joint]:
+    """All joints of one lattice cell, one for each two scales that share edges.
+
+    Parameters
+    ----------
+    end_share : of the gap, see `END_SHARE`.
+
+    Raises
+    ------
+    PatternError : two scales share an edge along which their walls do not face one another.
+    """
+    tiles, lattice = pattern.tiles, pattern.lattice
+    partner, offset = _partners(pattern)
+    facing = [_facing(tile, pattern.gap) for tile in tiles]
+    start = np.concatenate([[0], np.cumsum([len(tile) for tile in tiles])])
+    owner = np.repeat(np.arange(len(tiles)), np.diff(start))
+    found: dict[tuple[int, int, tuple[int, int]], list[tuple[FloatArray, ...]]] = {}
+    for a, tile in enumerate(tiles):
+        edges = np.arange(start[a], start[a + 1])
+        keys = [(int(owner[partner[e]]), *offset[e].tolist()) for e in edges]
+        for run in _runs(keys):
+            b, m, n = keys[run[0]]
+            if (b, m, n) < (a, 0, 0) or (b == a and (m, n) < (0, 0)):
+                continue  # met from the other side
+            here = [facing[a][k] for k in run]
+            there = [facing[b][partner[edges[k]] - start[b]] for k in run]
+            corners = np.array([[tile[k], tile[(k + 1) % len(tile)]] for k in run])
+            part = _stations(corners, here, there, pattern.gap, end_share)
+            if part is not None:
+                found.setdefault((a, b, (m, n)), []).append(part)
+    joints = []
+    for (a, b, shift), parts in found.items():
+        points, normals, weights = (np.concatenate(items) for items in zip(*parts, strict=True))
+        joints.append(Joint(a, b, shift, points, normals, weights))
+    if not joints:
+        raise PatternError(
+            f"No two scales face one another across the gap of {pattern.gap:g} mm: narrow it."
+        )
+    del lattice
+    return joints
+
+
+def _partners(pattern: Pattern) -> tuple[IntArray, IntArray]:
+    """For each edge of each tile the number of the same edge of the other tile, and the lattice
+    offset (n, 2) of that tile."""
+    starts = np.concatenate(pattern.tiles)
+    ends = np.concatenate([np.roll(tile, -1, axis=0) for tile in pattern.tiles])
+    places = 0.5 * (starts + ends) @ np.linalg.inv(pattern.lattice)
+    wrapped = places % 1.0
+    wrapped[wrapped >= 1.0] = 0.0
+    pairs = cKDTree(wrapped, boxsize=1.0).query_pairs(_SAME, output_type="ndarray")
+    partner = np.full(len(places), -1, dtype=np.int64)
+    partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
+    return partner, np.rint(places - places[partner]).astype(np.int64)
+
+
+def _facing(tile: FloatArray, gap: float) -> FloatArray:
+    """(n, 2) part of each edge, from its start, along which the scale has a wall, mm; empty where
+    the wall is lost."""
+    images = inset_edges(tile, 0.5 * gap)
+    if images is None:  # outlines were built, so that this is a matter of rounding
+        raise PatternError(f"The walls of a scale are lost at a gap of {gap:g} mm: narrow it.")
+    along = np.roll(tile, -1, axis=0) - tile
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    return np.einsum("nkc,nc->nk", images - tile[:, None], along)
+
+
+def _runs(keys: list[tuple[int, int, int]]) -> list[list[int]]:
+    """Runs of neighboring edges with one key, around the polygon."""
+    n = len(keys)
+    breaks = [k for k in range(n) if keys[k] != keys[k - 1]]
+    if not breaks:
+        return [list(range(n))]
+    return [
+        [k % n for k in range(begin, end)]
+        for begin, end in pairwise([*breaks, breaks[0] + n])
+    ]
+
+
+def _stations(
+    corners: FloatArray,
+    here: list[FloatArray],
+    there: list[FloatArray],
+    gap: float,
+    end_share: float,
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Points, normals and weights on a run of edges (n, 2, 2); None where no walls face."""
+    along = corners[:, 1] - corners[:, 0]
+    lengths = np.linalg.norm(along, axis=1)
+    along /= lengths[:, None]
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    low = np.array([max(a[0], length - b[1]) for a, b, length in zip(here, there, lengths)])
+    high = np.array([min(a[1], length - b[0]) for a, b, length in zip(here, there, lengths)])
+    both = high > low
+    if not both.any():
+        return None
+    first = max((starts[:-1] + low)[both].min() - end_share * gap, 0.0)
+    last = min((starts[:-1] + high)[both].max() + end_share * gap, starts[-1])
+    points, normals, weights = [], [], []
+    for k, length in enumerate(lengths):
+        begin, end = max(first - starts[k], 0.0), min(last - starts[k], length)
+        if end <= begin:
+            continue
+        n = int(np.clip(np.ceil((end - begin) / gap) + 1, _FEWEST, _MOST))
+        places, shares = np.polynomial.legendre.leggauss(n)
+        t = 0.5 * (begin + end) + 0.5 * (end - begin) * places
+        points.append(corners[k, 0] + t[:, None] * along[k])
+        normals.append(np.repeat([[along[k, 1], -along[k, 0]]], n, axis=0))
+        weights.append(0.5 * (end - begin) * shares)
+    return np.concatenate(points), np.concatenate(normals), np.concatenate(weights)

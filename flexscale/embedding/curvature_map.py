@@ -47,6 +47,14 @@ class Bend:
 
 
 @dataclass(frozen=True)
+class TensorBend:
+    """Two curvatures at a time: a curvature [mm-1] times a tensor (2, 2), such as that of a dome."""
+
+    curvature: float
+    tensor: FloatArray
+
+
+@dataclass(frozen=True)
 class ImageVectors:
     """Positions of vertices, gradient vectors and numbers, in the home cell and its lattice images.
 

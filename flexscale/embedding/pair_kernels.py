@@ -61,6 +61,44 @@ def place_rows(
 
 
 @njit(cache=True)
+def station_opening(
+    relative: FloatArray, point: FloatArray, normal: FloatArray, q: FloatArray, rows: FloatArray
+) -> float:
+    """u, w, s and phi at a station, and their derivatives (4, 6) by the relative pose; other entries
+    of `rows` must be 0. Returns the sine of half the turn about the joint."""
+    x, y = point
+    n0, n1 = normal
+    # The arrow at the station is that at the point and turn x (x, y, 0).
+    rows[0, 0], rows[0, 1], rows[0, 5] = n0, n1, n1 * x - n0 * y  # u, along n
+    rows[1, 2], rows[1, 3], rows[1, 4] = 1.0, y, -x  # w, upward
+    rows[2, 0], rows[2, 1], rows[2, 5] = -n1, n0, n0 * x + n1 * y  # s, along (-n1, n0)
+    for i in range(3):
+        q[i] = 0.0
+        for j in range(6):
+            q[i] += rows[i, j] * relative[j]
+    half = 0.5 * (n0 * relative[4] - n1 * relative[3])
+    q[3] = -2.0 * np.arcsin(half)
+    root = 1.0 / np.sqrt(1.0 - half * half)
+    rows[3, 3], rows[3, 4] = n1 * root, -n0 * root
+    return half
+
+
+@njit(cache=True)
+def all_openings(
+    poses: FloatArray, scales: IntArray, arms: FloatArray, starts: IntArray, points: FloatArray,
+    normals: FloatArray,
+) -> FloatArray:
+    """(n_stations, 4) u, w, s [mm] and phi [radian] of all stations; see `all_joints`."""
+    out, rows = np.empty((len(points), 4)), np.zeros((4, 6))
+    work, relative = np.empty((N_WORK, poses.shape[2])), np.empty((6, poses.shape[2]))
+    for k in range(len(scales)):
+        relative_pose(poses[k], arms[k, 0], arms[k, 1], work, relative, _N, 0)
+        for s in range(starts[k], starts[k + 1]):
+            station_opening(relative[:, 0].copy(), points[s], normals[s], out[s], rows)
+    return out
+
+
+@njit(cache=True)
 def joint_energy(
     relative: FloatArray, points: FloatArray, normals: FloatArray, weights: FloatArray,
     exponents: IntArray, coefficients: FloatArray, thickness: float, modulus: float,
@@ -77,20 +115,8 @@ def joint_energy(
     energy = 0.0
     q, slope, bend, rows = np.empty(4), np.empty(4), np.empty((4, 4)), np.zeros((4, 6))
     for s in range(len(points)):
-        x, y = points[s]
-        n0, n1 = normals[s]
-        # The arrow at the station is that at the point and turn x (x, y, 0).
-        rows[0, 0], rows[0, 1], rows[0, 5] = n0, n1, n1 * x - n0 * y  # u, along n
-        rows[1, 2], rows[1, 3], rows[1, 4] = 1.0, y, -x  # w, upward
-        rows[2, 0], rows[2, 1], rows[2, 5] = -n1, n0, n0 * x + n1 * y  # s, along (-n1, n0)
-        for i in range(3):
-            q[i] = 0.0
-            for j in range(6):
-                q[i] += rows[i, j] * relative[j]
-        half = 0.5 * (n0 * relative[4] - n1 * relative[3])
-        q[3] = -2.0 * np.arcsin(half)
+        half = station_opening(relative, points[s], normals[s], q, rows)
         root = 1.0 / np.sqrt(1.0 - half * half)
-        rows[3, 3], rows[3, 4] = n1 * root, -n0 * root
         energy += weights[s] * law_at(
             exponents, coefficients, thickness, modulus, bounds, q, slope, bend
         )

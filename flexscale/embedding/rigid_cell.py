@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.curvature_map import Bend, TensorBend
 from flexscale.embedding.pair_kernels import place_pairs, place_rows, pull_forces, unknowns_of
-from flexscale.embedding.rigid_motion import N_VARIABLES
+from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
 from flexscale.mechanics.jets import jet_size
 from flexscale.mechanics.prism_contact import PrismRows, find_prism_rows
 from flexscale.patterns.joint_lines import Joint
@@ -184,7 +184,7 @@ class RigidCell:
         lifts: FloatArray = 0.5 * np.einsum("ij,nij->n", tensor, self.scales.second_moments)
         return lifts
 
-    def poses(self, z: FloatArray, bend: Bend, order: int) -> FloatArray:
+    def poses(self, z: FloatArray, bend: Bend | TensorBend, order: int) -> FloatArray:
         """(n_pairs, 24, jet) of `rigid_motion.place_pair`."""
         size = jet_size(N_VARIABLES) if order > 1 else 1 + order * N_VARIABLES
         out = np.empty((len(self.scales.pairs), 24, size))
@@ -195,12 +195,20 @@ class RigidCell:
         )  # fmt: skip
         return out
 
-    def place(self, z: FloatArray, bend: Bend) -> RigidWorld:
+    def place(self, z: FloatArray, bend: Bend | TensorBend) -> RigidWorld:
         """World positions at state z under `bend`."""
         poses, rows = self.poses(z, bend, 1), self.scales.rows
         y = np.empty((len(rows.pair), 3))
         place_rows(poses, rows.pair, rows.second, rows.rest, y)
         return RigidWorld(y, poses)
+
+    def curvature_rates(self, bend: Bend | TensorBend) -> FloatArray:
+        """(n_rows, 3) derivative of the flat cell's positions by the curvature."""
+        poses, rows = self.poses(self.rest, bend, 1), self.scales.rows
+        rate = poses[rows.pair, :, 1 + OF_KAPPA].reshape(-1, 2, 12)
+        own = rate[np.arange(len(rate)), rows.second.astype(int)]
+        turned = np.einsum("rcj,rj->rc", own[:, 3:].reshape(-1, 3, 3), rows.rest)
+        return np.asarray(own[:, :3] + turned)
 
     def pull_gradient(self, world: RigidWorld, forces: FloatArray) -> FloatArray:
         """(n_unknowns,) dE/dz for forces dE/dy (n_rows, 3)."""

@@ -108,6 +108,6 @@ def simulate_native_sheet(
         length=length,
         width=width,
         direction=direction,
-        scalars=pattern_scalars(pattern, native.mesh),
+        scalars=pattern_scalars(pattern, native),
         config={"pattern": pattern.to_config(), **native.to_config()},
     )

@@ -136,7 +136,7 @@ def simulate_native_stage(
         NATIVE_RIG,
         sides,
         {"stage": {"shortening": asked, **sizes, **arrays}},
-        scalars=pattern_scalars(pattern, native.mesh),
+        scalars=pattern_scalars(pattern, native),
         config={"pattern": pattern.to_config(), **native.to_config()},
         numbers={"n_scales": len(stage.tiles.copies), "n_unknowns": len(stage.active)},
     )

@@ -22,6 +22,7 @@ from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.hold import Hold, Periodic
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
+from flexscale.homogenize.problem import FlatBends
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.barrier import barrier_stiffness
 from flexscale.mechanics.contact import ContactSurface, ScaleContact
@@ -143,6 +144,16 @@ class CellProblem:
         self.energy_floor = mesh.cell_area * (1e-24 * sheet + 1e-29 * scales)
 
     @property
+    def n_scales(self) -> int:
+        """In the cell."""
+        return self.mesh.n_scales
+
+    @property
+    def parts(self) -> tuple[type[CellProblem], tuple[Any, ...]]:
+        """What makes it again in another process."""
+        return CellProblem, (self.mesh, self.model, self.bodies)
+
+    @property
     def gap(self) -> float:
         """mm, between scales at rest."""
         return self.model.gap
@@ -203,6 +214,26 @@ class CellProblem:
     def bent(self, bend: Bend) -> BentCell:
         """The cell's energy as a function of z under a macroscopic bend."""
         return BentCell(self, bend)
+
+    def flat_bends(self) -> FlatBends:
+        """Answers of the flat cell to small bends; its system is left factorized at rest."""
+        cell, world_map = self.bent(Bend(0.0, 0.0)), self.embedding.world_map
+        state = cell.evaluate(self.embedding.rest)
+        blocks = self.pull_back.pair_blocks(state.world.y)
+        self.system.factorize(cell.hessian_values(state))
+        # kappa_xy counts once: 2 kappa_xy = 1 is half the tensor e1 e2 + e2 e1.
+        factors = (1.0, 1.0, 0.5)
+        found = world_map.flat_rates(self.embedding.rest)
+        rates = [factor * rate for factor, rate in zip(factors, found, strict=True)]
+        stressed = [self.pull_back.multiply(blocks, r) for r in rates]
+        loads = [world_map.pull_gradient(state.world, s)[self.active] for s in stressed]
+        relaxed = [self.system.solve(-load)[0] for load in loads]
+        fixed = np.array([[np.sum(rate * force) for force in stressed] for rate in rates])
+        return FlatBends(state, rates, fixed, loads, relaxed)
+
+    def facts_of(self, state: CellState) -> dict[str, Any]:
+        """Nothing that joints do not tell as well."""
+        return {}
 
 
 class BentCell:

@@ -29,9 +29,7 @@ import numpy as np
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.tangent import FlatBends, bend_flat
-from flexscale.mechanics.contact import ScaleContact
+from flexscale.homogenize.problem import Contact, FlatBends, Problem
 from flexscale.mechanics.contact_gaps import LinearGaps
 from flexscale.solve.unilateral import unilateral_forces
 from flexscale.units import require_positive
@@ -87,7 +85,7 @@ class FlatContact:
         return out
 
 
-def solve_flat_contact(problem: CellProblem, overlap: float = OVERLAP) -> FlatContact:
+def solve_flat_contact(problem: Problem, overlap: float = OVERLAP) -> FlatContact:
     """Gaps of a cell problem with contact; the system is left factorized at rest.
 
     Parameters
@@ -107,9 +105,9 @@ def solve_flat_contact(problem: CellProblem, overlap: float = OVERLAP) -> FlatCo
 class _Search:
     """Distances taken so far, and all others at the sample curvatures."""
 
-    def __init__(self, problem: CellProblem, contact: ScaleContact, overlap: float) -> None:
+    def __init__(self, problem: Problem, contact: Contact, overlap: float) -> None:
         self.problem, self.contact, self.overlap = problem, contact, overlap
-        self.bends: FlatBends = bend_flat(problem)
+        self.bends: FlatBends = problem.flat_bends()
         self.gaps: LinearGaps = contact.gaps(self.bends.state.world.y, REACH * problem.gap)
         slopes = [
             self._changes(rate) + self._changes(self._push(relaxed))
@@ -143,7 +141,7 @@ class _Search:
         """(m, 3) curvatures beyond the largest samples (n, 3) that leave scales apart."""
         every = FlatContact(self.gaps.distances, self.slopes, np.zeros((0, 0)))
         onset = every.onset(largest)
-        tile = np.sqrt(self.problem.area / self.problem.embedding.mesh.n_scales)
+        tile = np.sqrt(self.problem.area / self.problem.n_scales)
         apart = (self._contact().onset(largest) > 1.0) & (onset * _MAGNITUDES[-1] < np.pi / tile)
         at_onset = onset[apart, None] * largest[apart]
         return np.concatenate([factor * at_onset for factor in _BEYOND])

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.curvature_map import Bend, TensorBend
 from flexscale.embedding.pair_kernels import (
     add_blocks,
     all_joints,
+    all_openings,
     gather_column,
     pull_forces,
     pull_stencils,
@@ -19,11 +22,13 @@ from flexscale.embedding.rigid_cell import RigidCell, RigidWorld, find_rigid_sca
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
+from flexscale.homogenize.problem import FlatBends
+from flexscale.joints.library import joint_law
 from flexscale.mechanics.barrier import barrier_stiffness
 from flexscale.mechanics.energy import ALL, NOTHING
 from flexscale.mechanics.joint_law import JointLaw
 from flexscale.mechanics.prism_contact import PrismContact
-from flexscale.patterns.joint_lines import find_joints
+from flexscale.patterns.joint_lines import Joint, find_joints
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import build_factorization
@@ -50,17 +55,25 @@ class JointState:
 
 
 class JointCell:
-    """Rigid scales of one lattice cell on joints of one law, to be bent.
+    """Rigid scales of one lattice cell on joints of one law, to be bent: a `Problem`.
 
     Parameters
     ----------
     pattern : the scale pattern.
     law : of its joints.
-    native : contact and linear solver; the default model if not given.
+    native : contact and linear solver.
+
+    Attributes
+    ----------
+    embedding : unknowns, and where they place scales.
+    contact : barrier between scales; None if switched off.
+    barrier_stiffness : N mm-3, with which every line of samples begins.
+    part_names : names of the energy parts.
+    area : rest area, mm2.
+    system : factorizes the Hessian.
     """
 
-    def __init__(self, pattern: Pattern, law: JointLaw, native: NativeModel | None = None) -> None:
-        native = native or NativeModel()
+    def __init__(self, pattern: Pattern, law: JointLaw, native: NativeModel) -> None:
         self.pattern, self.law, self.native = pattern, law, native
         joints = find_joints(pattern)
         scales = find_rigid_scales(pattern, joints, native.contact.enabled)
@@ -75,7 +88,12 @@ class JointCell:
         self.energy_floor = self.area * 1e-24 * sheet
         self._build_system()
 
-    def _place_joints(self, joints) -> None:
+    @classmethod
+    def from_pattern(cls, pattern: Pattern, native: NativeModel) -> JointCell:
+        """The cell of a pattern on the joints that its gap, sheet and materials make."""
+        return cls(pattern, joint_law(pattern), native)
+
+    def _place_joints(self, joints: Sequence[Joint]) -> None:
         scales = self.embedding.scales
         n = len(scales.pairs)
         self._arms = np.zeros((n, 2, 3))
@@ -118,7 +136,6 @@ class JointCell:
         keys = np.unique(np.concatenate([first[kept] * n + second[kept], diagonal * n + diagonal]))
         indptr = np.searchsorted(keys, np.arange(n + 1) * n)
         self._n_values = len(keys)
-        self._pattern = (indptr, keys % n)
         self._slots = np.full(first.shape, -1, dtype=np.int64)
         self._slots[kept] = np.searchsorted(keys, first[kept] * n + second[kept])
         factorization = build_factorization(indptr, keys % n, self.native.solver.linear_solver)
@@ -134,12 +151,55 @@ class JointCell:
         """mm, between scales at rest."""
         return self.pattern.gap
 
+    @property
+    def n_scales(self) -> int:
+        """In the cell."""
+        return self.embedding.scales.n_scales
+
+    @property
+    def parts(self) -> tuple[type[JointCell], tuple[Any, ...]]:
+        """What makes it again in another process."""
+        return JointCell, (self.pattern, self.law, self.native)
+
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
         """Nothing: neighbors have room in the Hessian whether they touch or not."""
 
-    def bent(self, bend: Bend) -> BentJoints:
+    def bent(self, bend: Bend | TensorBend) -> BentJoints:
         """The cell's energy as a function of z under a macroscopic bend."""
         return BentJoints(self, bend)
+
+    def flat_bends(self) -> FlatBends:
+        """Answers of the flat cell to small bends; its system is left factorized at rest."""
+        cell, scales = self.embedding, self.embedding.scales
+        # Of energies quadratic in k: those of kappa_xx, kappa_yy, 2 kappa_xy, and of two at a time.
+        units = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
+        rates, loads = [], []
+        fixed, second = np.empty((3, 3)), np.empty(cell.n_unknowns + 1)
+        state = self.bent(TensorBend(0.0, units[0])).evaluate(cell.rest)
+        for i, j in ((0, 1), (0, 2), (1, 2), (0, 0), (1, 1), (2, 2)):
+            bent = self.bent(TensorBend(0.0, units[i] + units[j] if i != j else units[i]))
+            second[:] = 0.0
+            gather_column(bent.blocks(state), scales.pairs, OF_KAPPA, second)
+            fixed[i, j] = fixed[j, i] = second[-1]
+            if i == j:
+                loads.append(second[self.active].copy())
+                rates.append(cell.curvature_rates(bent.bend))
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            fixed[i, j] = fixed[j, i] = 0.5 * (fixed[i, j] - fixed[i, i] - fixed[j, j])
+        self.system.factorize(self.bent(TensorBend(0.0, units[0])).hessian_values(state))
+        relaxed = [self.system.solve(-load)[0] for load in loads]
+        return FlatBends(state, rates, fixed, loads, relaxed)
+
+    def facts_of(self, state: JointState) -> dict[str, Any]:
+        """How many stations lie beyond the range in which the law was sampled."""
+        return {"outside_range": int(np.count_nonzero(~self.law.inside(self.openings(state))))}
+
+    def openings(self, state: JointState) -> FloatArray:
+        """(n_stations, 4) of all joints' stations u, w, s in mm and phi in radian."""
+        scales = self.embedding.scales
+        return all_openings(
+            state.world.poses, scales.pairs, self._arms, self._starts, *self._stations[:2]
+        )
 
     def joints(self, poses: FloatArray, order: int, gradient: FloatArray, blocks: FloatArray) -> float:
         """Energy of the joints, with derivatives added as `pair_kernels.all_joints` says."""
@@ -158,7 +218,7 @@ _NO_BLOCKS = np.zeros((0, N_VARIABLES, N_VARIABLES))
 class BentJoints:
     """A cell of joints under one bend: an `Objective` for `solve.newton`."""
 
-    def __init__(self, problem: JointCell, bend: Bend) -> None:
+    def __init__(self, problem: JointCell, bend: Bend | TensorBend) -> None:
         self.problem, self.bend = problem, bend
         self.active, self.shift_mode = problem.active, problem.shift_mode
         self.energy_floor = problem.energy_floor
@@ -185,7 +245,7 @@ class BentJoints:
             z, world, values, float(values.sum()), gradient[problem.active], float(gradient[-1])
         )
 
-    def _blocks(self, state: JointState, project: str = NOTHING) -> FloatArray:
+    def blocks(self, state: JointState, project: str = NOTHING) -> FloatArray:
         """(n_pairs, 16, 16) second derivatives by each pair's variables."""
         problem, cell = self.problem, self.problem.embedding
         scales, rows = cell.scales, cell.scales.rows
@@ -211,14 +271,14 @@ class BentJoints:
     def hessian_values(self, state: JointState, project: str = NOTHING) -> FloatArray:
         """(nnz,) upper triangle of d2E/dz2; `project` replaces parts by their positive part."""
         values = np.zeros(self.problem._n_values)
-        add_blocks(self._blocks(state, project), self.problem._slots, values)
+        add_blocks(self.blocks(state, project), self.problem._slots, values)
         return values
 
     def gradient_rate(self, state: JointState) -> FloatArray:
         """(n_active,) d(dE/dz)/dkappa at fixed z."""
         cell = self.problem.embedding
         out = np.zeros(cell.n_unknowns + 1)
-        gather_column(self._blocks(state), cell.scales.pairs, OF_KAPPA, out)
+        gather_column(self.blocks(state), cell.scales.pairs, OF_KAPPA, out)
         return out[self.active]
 
     def free_share(self, state: JointState, trial: JointState) -> float:

@@ -17,10 +17,9 @@ from scipy.optimize import nnls
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
-from flexscale.mechanics.contact import ScaleContact
 
 if TYPE_CHECKING:
-    from flexscale.homogenize.cell_problem import CellProblem
+    from flexscale.homogenize.problem import Contact, Problem
 
 _ROUNDS = 8  # in which pairs of scales that still overlap join
 _PASSES = 6  # in which gaps are measured anew where scales met on the way
@@ -30,7 +29,7 @@ _MET = 4.0  # d_hat, closer than which they are measured there
 
 
 def keep_apart(
-    problem: CellProblem, start: FloatArray, wanted: FloatArray, bend: Bend
+    problem: Problem, start: FloatArray, wanted: FloatArray, bend: Bend
 ) -> FloatArray | None:
     """State near a wanted one under `bend`, to which no scales meet on the way.
 
@@ -57,8 +56,8 @@ class _Search:
 
     def __init__(
         self,
-        problem: CellProblem,
-        contact: ScaleContact,
+        problem: Problem,
+        contact: Contact,
         start: FloatArray,
         wanted: FloatArray,
         bend: Bend,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from flexscale.mesh.options import MeshOptions
+from flexscale.homogenize.native_model import NativeModel
 from flexscale.patterns import Pattern
 
 
-def pattern_scalars(pattern: Pattern, mesh: MeshOptions) -> dict[str, float | str]:
+def pattern_scalars(pattern: Pattern, native: NativeModel) -> dict[str, float | str]:
     """Scalar coordinates of a pattern's datasets, in the units of `datasets.variables.SCALARS`."""
-    return {
+    meshed = {} if native.name == "joints" else {"mesh_size": pattern.gap / native.mesh.across}
+    return meshed | {
         "family": pattern.family,
         "pattern": pattern.name,
         "gap": pattern.gap,
@@ -19,5 +20,4 @@ def pattern_scalars(pattern: Pattern, mesh: MeshOptions) -> dict[str, float | st
         "scale_poisson_ratio": pattern.scale_material.poisson_ratio,
         "substrate_young_modulus": pattern.substrate_material.young_modulus,
         "substrate_poisson_ratio": pattern.substrate_material.poisson_ratio,
-        "mesh_size": pattern.gap / mesh.across,
     }

@@ -17,9 +17,8 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import BentCell, CellProblem, CellState
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
-from flexscale.homogenize.keep_apart import keep_apart
+from flexscale.homogenize.problem import Bent, Problem
 from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.continuation import Effort, Stepping, advance
 from flexscale.solve.newton import Solution, solve_equilibrium
@@ -98,7 +97,7 @@ class _Point:
 
 
 def follow_line(
-    problem: CellProblem,
+    problem: Problem,
     line: Line,
     options: SolverOptions,
     finished: Sequence[dict[str, Any]] = (),
@@ -162,10 +161,10 @@ def follow_line(
 class _Bending:
     """A line as a path of the continuation, whose parameter is the curvature."""
 
-    problem: CellProblem
+    problem: Problem
     line: Line
 
-    def objective(self, curvature: float) -> BentCell:
+    def objective(self, curvature: float) -> Bent:
         return self.problem.bent(self.line.bend(curvature))
 
     def predict(self, point: _Point, curvature: float) -> FloatArray | None:
@@ -179,7 +178,7 @@ class _Bending:
 
 
 def load_line(
-    problem: CellProblem, line: Line, checkpoint: Checkpoint | None
+    problem: Problem, line: Line, checkpoint: Checkpoint | None
 ) -> list[dict[str, Any]]:
     """Finished samples of a line from which `follow_line` can go on."""
     needed = {"energy_density", "moment"}
@@ -189,7 +188,7 @@ def load_line(
     return load_finished(checkpoint, line.key, axis, len(problem.embedding.rest), needed)
 
 
-def set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:
+def set_barrier(problem: Problem, sample: dict[str, Any] | None) -> None:
     """Stiffness of the barrier for the sample that follows `sample`; None at the start of a line.
 
     The distance that scales keep must stay well above rounding, however hard they press.
@@ -203,12 +202,12 @@ def set_barrier(problem: CellProblem, sample: dict[str, Any] | None) -> None:
     _set_stiffness(problem, stiffness)
 
 
-def _set_stiffness(problem: CellProblem, stiffness: float) -> None:
+def _set_stiffness(problem: Problem, stiffness: float) -> None:
     if problem.contact is not None:
         problem.contact.stiffness = stiffness
 
 
-def _start(problem: CellProblem, line: Line) -> tuple[_Point, Solution]:
+def _start(problem: Problem, line: Line) -> tuple[_Point, Solution]:
     """The flat state: an equilibrium by construction, so one factorization gives all there is."""
     cell = problem.bent(line.bend(0.0))
     state = cell.evaluate(problem.embedding.rest)
@@ -220,7 +219,7 @@ def _start(problem: CellProblem, line: Line) -> tuple[_Point, Solution]:
 
 
 def _next_point(
-    problem: CellProblem, line: Line, before: _Point | None, curvature: float, solution: Solution
+    problem: Problem, line: Line, before: _Point | None, curvature: float, solution: Solution
 ) -> _Point:
     rate = _rate(problem, line, curvature, solution)
     second = np.zeros_like(rate)
@@ -231,7 +230,7 @@ def _next_point(
 
 
 def _energy_and_moment(
-    problem: CellProblem, line: Line, curvature: float, solution: Solution
+    problem: Problem, line: Line, curvature: float, solution: Solution
 ) -> tuple[float, float]:
     """Energy density, and its derivative by the magnitude of the curvature."""
     cell = problem.bent(line.bend(curvature))
@@ -240,12 +239,12 @@ def _energy_and_moment(
 
 
 def _solve(
-    problem: CellProblem, line: Line, curvature: float, z: FloatArray, options: SolverOptions
+    problem: Problem, line: Line, curvature: float, z: FloatArray, options: SolverOptions
 ) -> Solution:
     return solve_equilibrium(problem.bent(line.bend(curvature)), z, options)
 
 
-def _rate(problem: CellProblem, line: Line, curvature: float, solution: Solution) -> FloatArray:
+def _rate(problem: Problem, line: Line, curvature: float, solution: Solution) -> FloatArray:
     """dz/d|kappa| along the branch: one back-substitution."""
     cell = problem.bent(line.bend(curvature))
     if solution.negative_eigenvalues > 0:  # the last factorization was not of the true Hessian
@@ -257,7 +256,7 @@ def _rate(problem: CellProblem, line: Line, curvature: float, solution: Solution
 
 
 def _bend_back(
-    problem: CellProblem, line: Line, point: _Point, curvature: float, options: SolverOptions
+    problem: Problem, line: Line, point: _Point, curvature: float, options: SolverOptions
 ) -> dict[str, float]:
     """Energy density and moment at a smaller curvature, met from `point`; none if not reached."""
     predicted = _predict(problem, line, point, curvature)
@@ -269,7 +268,7 @@ def _bend_back(
     return {"energy_density_returning": energy, "moment_returning": moment}
 
 
-def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> FloatArray | None:
+def _predict(problem: Problem, line: Line, point: _Point, target: float) -> FloatArray | None:
     """The better start at `target` of those along dz/dkappa and along its parabola.
 
     Where scales would meet on the straight way to both, or both have so much energy that Newton may
@@ -292,7 +291,7 @@ def _predict(problem: CellProblem, line: Line, point: _Point, target: float) -> 
 
 
 def _keep_apart(
-    problem: CellProblem, line: Line, point: _Point, target: float, wanted: FloatArray
+    problem: Problem, line: Line, point: _Point, target: float, wanted: FloatArray
 ) -> FloatArray | None:
     """As `keep_apart`, from a point on the line."""
     if problem.contact is None:
@@ -301,10 +300,10 @@ def _keep_apart(
     state = cell.evaluate(point.z)
     if problem.system.factorize(cell.hessian_values(state)) > 0:
         return None
-    return keep_apart(problem, state.world.y, wanted, line.bend(target))
+    return problem.bent(line.bend(target)).keep_apart(state, wanted)
 
 
-def _is_free(problem: CellProblem, line: Line, point: _Point, state: CellState) -> bool:
+def _is_free(problem: Problem, line: Line, point: _Point, state: Any) -> bool:
     """Whether no scales meet on the straight way in the world from a point to a state."""
     if problem.contact is None:
         return True
@@ -313,10 +312,10 @@ def _is_free(problem: CellProblem, line: Line, point: _Point, state: CellState) 
 
 
 def _measure(
-    problem: CellProblem, line: Line, curvature: float, solution: Solution
+    problem: Problem, line: Line, curvature: float, solution: Solution
 ) -> dict[str, Any]:
     """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
-    state: CellState = solution.evaluation
+    state = solution.evaluation
     energy_density, moment = _energy_and_moment(problem, line, curvature, solution)
     s = solution.z[-3:]
     numbers: dict[str, Any] = {
@@ -334,6 +333,7 @@ def _measure(
         numbers["contact_pairs"] = problem.contact.active_pairs(y)
         numbers["contact_force"] = problem.contact.force(y)
         numbers["barrier_stiffness"] = problem.contact.stiffness
+    numbers |= problem.facts_of(state)
     for name, part in zip(problem.part_names, state.parts, strict=True):
         numbers[f"energy_density_{name}"] = float(part) / problem.area
     return numbers

@@ -31,14 +31,13 @@ def watch(number: int) -> None:
 
 def serve(connection: Connection) -> None:
     """Answer requests until there are no more."""
-    from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.line import follow_line
 
-    parts, problem = connection.recv(), None
+    (build, parts), problem = connection.recv(), None
     while True:
         line, solver, finished = connection.recv()
         try:
-            problem = problem or CellProblem(*parts)
+            problem = problem or build(*parts)
             for sample in follow_line(problem, line, solver, finished):
                 connection.send((SAMPLE, sample))
         except Exception as error:

@@ -32,7 +32,7 @@ class LineWorkers:
 
     Parameters
     ----------
-    problem : (mesh, model, bodies) of the cell, picklable.
+    problem : what makes it, and of what, picklable.
     solver : solver options.
     finished : samples of a line that are there already.
     checkpoint : keeps samples as they finish, in this process; None keeps none.

@@ -80,7 +80,7 @@ def solve_shapes(
         **native.to_config(),
         "bends": [list(bend) for bend in bends],
     }
-    scalars = pattern_scalars(pattern, native.mesh)
+    scalars = pattern_scalars(pattern, native)
     return build_dataset(SHAPE, arrays, scalars=scalars, config=config)
 
 

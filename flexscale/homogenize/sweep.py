@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 from flexscale import checks
 from flexscale.checks import checked, flag, function, series, whole
 from flexscale.errors import UnitRangeError
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line, load_line
 from flexscale.homogenize.line_workers import LineWorkers
-from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
+from flexscale.homogenize.errors_at_rest import note_errors
 from flexscale.homogenize.native_model import NativeModel, native_model
+from flexscale.homogenize.problem import Problem
 from flexscale.homogenize.sweep_dataset import build_dataset_of
 from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error
 from flexscale.homogenize.tangent import solve_tangent
@@ -115,10 +116,9 @@ def sweep(
     check = check_line(sides, directions, sources, next((k for k in kappa if k > 0.0), 0.0))
     if check is not None:
         lines.append(check)
-    problem = CellProblem.from_pattern(pattern, native)
+    problem = build_problem(pattern, native)
     workers = min(workers or os.cpu_count() or 1, len(lines))
-    # This compiles and caches the kernels, too, before processes start.
-    mesh_error = estimate_mesh_error(pattern, native.mesh, problem.model, solve_tangent(problem))
+    tangent = solve_tangent(problem)  # this compiles and caches kernels before processes start
     if workers > 1:
         results = _in_processes(problem, lines, native.solver, checkpoint, workers)
     else:
@@ -127,9 +127,9 @@ def sweep(
     options = native.to_config() | {"symmetry": symmetry}
     axes = (sides, directions, kappa)
     dataset = build_dataset_of(
-        pattern, pattern_scalars(pattern, native.mesh), options, samples, axes, sources
+        pattern, pattern_scalars(pattern, native), options, samples, axes, sources
     )
-    note_mesh_error(dataset, mesh_error)
+    note_errors(dataset, pattern, native, problem, tangent)
     if check is not None:
         error = symmetry_error(check, directions, sources, samples)
         dataset["symmetry_source"].attrs["comment"] = (
@@ -140,7 +140,7 @@ def sweep(
 
 
 def run_lines(
-    problem: CellProblem,
+    problem: Problem,
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None = None,
@@ -183,7 +183,7 @@ def check_sweep(
 
 
 def _run_line(
-    problem: CellProblem, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
+    problem: Problem, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
 ) -> Iterator[dict[str, Any]]:
     finished = load_line(problem, line, checkpoint)
     yield from finished
@@ -194,7 +194,7 @@ def _run_line(
 
 
 def _in_turn(
-    problem: CellProblem,
+    problem: Problem,
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None,
@@ -205,15 +205,14 @@ def _in_turn(
 
 
 def _in_processes(
-    problem: CellProblem,
+    problem: Problem,
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None,
     workers: int,
 ) -> Iterator[tuple[Line, dict[str, Any]]]:
-    parts = (problem.mesh, problem.model, problem.bodies)
     finished = partial(load_line, problem, checkpoint=checkpoint)
-    with LineWorkers(parts, solver, finished, checkpoint) as pool:
+    with LineWorkers(problem.parts, solver, finished, checkpoint) as pool:
         yield from pool.run(lines, workers)
 
 

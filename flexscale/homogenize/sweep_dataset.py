@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.datasets.kinds.sweep import build_sweep_dataset
+from flexscale.datasets.kinds.sweep import ENERGY_PARTS, build_sweep_dataset
 from flexscale.homogenize.symmetry import Source, turn_stretch
 from flexscale.patterns import Pattern
 from flexscale.status import SolveStatus
@@ -49,13 +49,14 @@ def build_dataset_of(
         return out
 
     reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")
-    names: tuple[str, ...] = ("membrane", "bending", "scales")
     counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues", "saddles_left")
     if options["contact"]["enabled"]:
-        names += ("contact",)
         reals += ("min_gap", "contact_force", "barrier_stiffness")
         counts += ("contact_pairs",)
-    parts = tuple(f"energy_density_{name}" for name in names)
+    converged = (s for line in samples.values() for s in line if "energy_density" in s)
+    parts = tuple(name for name in next(converged, {}) if name in ENERGY_PARTS)
+    if any("outside_range" in s for line in samples.values() for s in line):
+        counts += ("outside_range",)
     arrays: dict[str, Any] = {name: array(name, np.nan) for name in (*reals, *parts)}
     stretch = array("stretch", np.nan, extra=(3,))
     for j, source in enumerate(sources):

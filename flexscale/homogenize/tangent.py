@@ -25,9 +25,9 @@ from numpy.typing import ArrayLike
 from flexscale import checks
 from flexscale.arrays import FloatArray
 from flexscale.checks import checked
-from flexscale.embedding.curvature_map import Bend
-from flexscale.homogenize.cell_problem import CellProblem, CellState
+from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.native_model import NativeModel, native_model
+from flexscale.homogenize.problem import Problem
 from flexscale.patterns import Pattern
 from flexscale.short_repr import ShortRepr
 from flexscale.units import require_array
@@ -90,59 +90,15 @@ class TangentStiffness(ShortRepr):
         )
 
 
-@dataclass(frozen=True)
-class FlatBends:
-    """How the flat cell answers to unit kappa_xx, kappa_yy and 2 kappa_xy.
-
-    Attributes
-    ----------
-    state : at rest.
-    rates : three (n_rows, 3) dy/dk of a cell that only bends.
-    stressed : three (n_rows, 3) K times these, the forces that they need.
-    loads : three (n_active,) these forces on the unknowns.
-    relaxed : three (n_active,) rates of the unknowns that free the cell of them.
-    """
-
-    state: CellState
-    rates: list[FloatArray]
-    stressed: list[FloatArray]
-    loads: list[FloatArray]
-    relaxed: list[FloatArray]
-
-
-def bend_flat(problem: CellProblem) -> FlatBends:
-    """Bend the cell at rest by little; its system is left factorized there."""
-    embedding, pull_back = problem.embedding, problem.pull_back
-    cell = problem.bent(Bend(0.0, 0.0))
-    state = cell.evaluate(embedding.rest)
-    blocks = pull_back.pair_blocks(state.world.y)
-    problem.system.factorize(cell.hessian_values(state))
-    # kappa_xy counts once: 2 kappa_xy = 1 is half the tensor e1 e2 + e2 e1.
-    factors = (1.0, 1.0, 0.5)
-    found = embedding.world_map.flat_rates(embedding.rest)
-    rates = [factor * rate for factor, rate in zip(factors, found, strict=True)]
-    stressed = [pull_back.multiply(blocks, r) for r in rates]
-    loads = [embedding.world_map.pull_gradient(state.world, s)[problem.active] for s in stressed]
-    relaxed = [problem.system.solve(-load)[0] for load in loads]
-    return FlatBends(state, rates, stressed, loads, relaxed)
-
-
-def solve_tangent(problem: CellProblem) -> TangentStiffness:
+def solve_tangent(problem: Problem) -> TangentStiffness:
     """Tangent of a cell problem: bending and in-plane stiffness of its cell at rest."""
-    bends = bend_flat(problem)
-    matrix = np.array(
-        [
-            [
-                np.sum(bends.rates[i] * bends.stressed[j]) + bends.loads[i] @ bends.relaxed[j]
-                for j in range(3)
-            ]
-            for i in range(3)
-        ]
-    )
+    bends = problem.flat_bends()
+    relaxed = [[load @ answer for answer in bends.relaxed] for load in bends.loads]
+    matrix = bends.fixed + np.array(relaxed)
     return TangentStiffness(0.5 * (matrix + matrix.T) / problem.area, _in_plane(problem))
 
 
-def _in_plane(problem: CellProblem) -> FloatArray:
+def _in_plane(problem: Problem) -> FloatArray:
     """In-plane stiffness (3, 3), N mm-1; the system is factorized at rest."""
     compliance = np.empty((3, 3))
     for i in range(3):
@@ -178,4 +134,4 @@ def tangent_stiffness(
     True
     """
     native = native_model(model)
-    return solve_tangent(CellProblem.from_pattern(pattern, native.without_contact))
+    return solve_tangent(build_problem(pattern, native.without_contact))

@@ -41,8 +41,8 @@ from flexscale.sides import SIDES, side_sign
 if TYPE_CHECKING:
     import xarray as xr
 
-    from flexscale.homogenize.cell_problem import CellProblem
     from flexscale.homogenize.flat_contact import FlatContact
+    from flexscale.homogenize.problem import Problem
     from flexscale.patterns import Pattern
 
 #: mm-1, up to which the model was compared with native cells (benchmarks/gap_models.py).
@@ -207,6 +207,7 @@ class GapModel:
         SchemaError : a dataset of another kind, or values that no model has.
         """
         from flexscale.homogenize.flat_contact import FlatContact
+    from flexscale.homogenize.problem import Problem
 
         require_variables(dataset, (*_STORED, *_GAPS), "A gap model", "gap_model")
         check_dataset(dataset, "gap_model")
@@ -286,18 +287,18 @@ def gap_model(
     True
     """
     # Meshing needs system libraries, which models that are there already can do without.
-    from flexscale.homogenize.cell_problem import CellProblem
+    from flexscale.homogenize.build import build_problem
     from flexscale.homogenize.labels import pattern_scalars
 
     native = native_model(model)
-    found = model_of_cell(CellProblem.from_pattern(pattern, native))
-    labels = pattern_scalars(pattern, native.mesh)
+    found = model_of_cell(build_problem(pattern, native))
+    labels = pattern_scalars(pattern, native)
     w = choose_w_biaxial(w_biaxial, found.in_plane, pattern.tile_area)
     found = replace(found, w_biaxial=w, labels=labels)
     return found if sweep is None else found.fitted(sweep)
 
 
-def model_of_cell(problem: CellProblem) -> GapModel:
+def model_of_cell(problem: Problem) -> GapModel:
     """Stiffness and gaps of a cell problem, in the time of a few factorizations."""
     from flexscale.homogenize.flat_contact import solve_flat_contact
     from flexscale.homogenize.tangent import solve_tangent

@@ -2,7 +2,7 @@
 
 The upper triangle of the matrix comes as CSR values on a fixed pattern: the pattern is analyzed
 once, then factorized as often as its values change. Two backends: PARDISO (x86-64) and scipy's
-SuperLU, which works everywhere. `FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the
+SuperLU, which works everywhere; small matrices are full ones. `FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the
 choice.
 """
 
@@ -155,10 +155,41 @@ class SuperLuFactorization:
         return x + self._lu.solve(right_hand_sides - self._matrix @ x)
 
 
+class DenseFactorization:
+    """Eigenvalues and eigenvectors of a small matrix as a full one: faster than sparse ones below
+    some sixty unknowns.
+    """
+
+    name = "dense"
+
+    def __init__(self, indptr: IntArray, indices: IntArray, order: IntArray | None = None) -> None:
+        n = len(indptr) - 1
+        self._rows, self._columns = np.repeat(np.arange(n), np.diff(indptr)), np.asarray(indices)
+        self._matrix = np.zeros((n, n))
+
+    def factorize(self, values: FloatArray) -> int:
+        """Eigenvalues of the matrix."""
+        self._matrix[self._columns, self._rows] = values  # the lower triangle is what eigh reads
+        self._values, self._modes = np.linalg.eigh(self._matrix)
+        sizes = np.abs(self._values)
+        if sizes.min() <= _SINGULAR * sizes.max():
+            return -1
+        return int(np.count_nonzero(self._values < 0.0))
+
+    def solve(self, right_hand_sides: FloatArray, refine: bool = True) -> FloatArray:
+        """Solution from the eigenvectors; to refine it would change nothing."""
+        parts = self._modes.T @ right_hand_sides
+        return np.asarray(self._modes @ (parts / self._values[:, None]))
+
+
+_SINGULAR = 1e-15  # of the largest eigenvalue
+
+
 def _address(array: np.ndarray, kind: Any) -> Any:
     return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
+SMALL = 60  # unknowns, up to which a full matrix is faster
 #: What a user may ask for.
 LINEAR_SOLVERS = ("auto", "pardiso", "superlu")
 _BACKENDS: dict[str, type[PardisoFactorization] | type[SuperLuFactorization]] = {
@@ -196,8 +227,11 @@ def build_factorization(
     """Analyze a pattern (CSR of the upper triangle, diagonal included) with the named backend.
 
     `order` (n,) is the unknown to eliminate at each place; by default the backend seeks one of
-    little fill.
+    little fill. A small matrix is taken as a full one, whatever the name.
     """
+    if len(indptr) - 1 <= SMALL:
+        available_linear_solver(name)
+        return DenseFactorization(indptr, indices, order)
     return _BACKENDS[available_linear_solver(name)](indptr, indices, order)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import flexscale as fs
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.mesh_error import estimate_mesh_error
+from flexscale.homogenize.errors_at_rest import estimate_mesh_error
 from flexscale.homogenize.tangent import solve_tangent
 from tests.physics.cells import hexagon, square
 from tests.physics.test_scale_modes import MESH

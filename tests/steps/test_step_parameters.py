@@ -44,7 +44,7 @@ CALLED = {
              "flexscale.datasets.build.build_dataset"),
     "tangent": (f"{HOMOGENIZE}.cell_problem.CellProblem.from_pattern",
                 f"{HOMOGENIZE}.tangent.solve_tangent",
-                f"{HOMOGENIZE}.mesh_error.estimate_mesh_error",
+                f"{HOMOGENIZE}.errors_at_rest.estimate_mesh_error",
                 f"{HOMOGENIZE}.mesh_error.note_mesh_error",
                 "flexscale.datasets.kinds.tangent.build_tangent_dataset"),
     "sweep": (f"{HOMOGENIZE}.sweep.sweep",),

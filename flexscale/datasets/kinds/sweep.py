@@ -33,17 +33,19 @@ NO_CONTACT_COMMENT = "contact between scales was not modeled"
 _SAMPLE = ("side", "direction", "curvature")
 
 
-def _sampled(name: str, units: str, long_name: str, **attrs: str) -> Variable:
-    return Variable(name, _SAMPLE, "float64", units, long_name, attrs=attrs)
+def _sampled(
+    name: str, units: str, long_name: str, *, optional: bool = False, **attrs: str
+) -> Variable:
+    return Variable(name, _SAMPLE, "float64", units, long_name, optional, attrs)
 
 
 def _counted(name: str, long_name: str, *, optional: bool = False) -> Variable:
     return Variable(name, _SAMPLE, "int32", "1", long_name, optional=optional)
 
 
-#: The parts of the energy density; they sum to it.
+#: The parts of the energy density, of which a native model has some; they sum to it.
 ENERGY_PARTS = tuple(
-    f"energy_density_{part}" for part in ("membrane", "bending", "scales", "contact")
+    f"energy_density_{part}" for part in ("membrane", "bending", "scales", "joints", "contact")
 )
 
 _RETURNING = {
@@ -73,7 +75,7 @@ def _check_sweep(dataset: xr.Dataset) -> None:
 
 def _check_energy(dataset: xr.Dataset) -> None:
     energy = dataset["energy_density"].values
-    parts = np.stack([dataset[name].values for name in ENERGY_PARTS])
+    parts = np.stack([dataset[name].values for name in ENERGY_PARTS if name in dataset])
     if not np.isfinite(energy).any():
         return
     scale = float(np.nanmax(np.abs(parts)))
@@ -105,9 +107,15 @@ SWEEP = Schema(
     ),
     variables=(
         _sampled("energy_density", "N mm-1", "energy per rest area of the midsurface"),
-        _sampled("energy_density_membrane", "N mm-1", "stretching energy of the substrate"),
-        _sampled("energy_density_bending", "N mm-1", "bending energy of the substrate"),
-        _sampled("energy_density_scales", "N mm-1", "elastic energy of the scales"),
+        *(
+            _sampled(f"energy_density_{part}", "N mm-1", meaning, optional=True)
+            for part, meaning in (
+                ("membrane", "stretching energy of the substrate"),
+                ("bending", "bending energy of the substrate"),
+                ("scales", "elastic energy of the scales"),
+                ("joints", "energy of the joints between scales"),
+            )
+        ),
         _sampled("energy_density_contact", "N mm-1", "contact energy of the scales"),
         _sampled(
             "moment",
@@ -144,6 +152,15 @@ SWEEP = Schema(
         _counted("newton_iterations", "Newton iterations"),
         _counted("negative_eigenvalues", "negative eigenvalues of the constrained Hessian"),
         _counted("saddles_left", "saddles met and left on the way to the sample", optional=True),
+        Variable(
+            "outside_range",
+            _SAMPLE,
+            "int32",
+            "1",
+            "stations of joints beyond the range in which their law was sampled",
+            optional=True,
+            attrs={"comment": "where it is not 0, numbers are extrapolated"},
+        ),
         _sampled("residual_norm", "N", "norm of the remaining force"),
         _sampled("mean_offset", "mm", "mean normal displacement of the substrate"),
         Variable("status", _SAMPLE, "int8", "1", "end of the solve", attrs=STATUS_ATTRS),

@@ -37,7 +37,7 @@ def compute(
     arrays: dict[str, Any] = {name: getattr(mesh, name) for name in array_names(CELL)}
     arrays["tile_points"], arrays["tile_of_point"] = _joined(task.pattern.tiles)
     arrays["outline_points"], arrays["outline_of_point"] = _joined(task.pattern.outlines())
-    scalars = pattern_scalars(task.pattern, task.native.mesh)
+    scalars = pattern_scalars(task.pattern, task.native)
     return build_dataset(CELL, arrays, scalars=scalars, config=task.config)
 
 

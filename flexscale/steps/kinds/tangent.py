@@ -37,22 +37,22 @@ def compute(
 ) -> xr.Dataset:
     """Dataset of kind tangent."""
     from flexscale.datasets.kinds.tangent import build_tangent_dataset
-    from flexscale.homogenize.cell_problem import CellProblem
+    from flexscale.homogenize.build import build_problem
+    from flexscale.homogenize.errors_at_rest import note_errors
     from flexscale.homogenize.labels import pattern_scalars
-    from flexscale.homogenize.mesh_error import estimate_mesh_error, note_mesh_error
     from flexscale.homogenize.tangent import solve_tangent
 
-    pattern, mesh = task.pattern, task.native.mesh
-    problem = CellProblem.from_pattern(pattern, task.native.without_contact)
+    pattern, native = task.pattern, task.native.without_contact
+    problem = build_problem(pattern, native)
     tangent = solve_tangent(problem)
     dataset = build_tangent_dataset(
         tangent.matrix,
         tangent.in_plane,
         task.block.directions,
-        scalars=pattern_scalars(pattern, mesh),
+        scalars=pattern_scalars(pattern, native),
         config=task.config,
     )
-    note_mesh_error(dataset, estimate_mesh_error(pattern, mesh, problem.model, tangent))
+    note_errors(dataset, pattern, native, problem, tangent)
     return dataset
 
 

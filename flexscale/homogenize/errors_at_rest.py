@@ -1,4 +1,4 @@
-"""How far a mesh is from its limit, as far as the flat cell tells."""
+"""What is known of a native model's own errors, as far as the flat cell tells."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 from flexscale.errors import MeshError
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.native_model import NativeModel
+from flexscale.homogenize.problem import Problem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
@@ -50,10 +52,20 @@ def estimate_mesh_error(
     return float(np.abs(ratio - 1.0).max()) / (2.0**_ORDER - 1.0)
 
 
-def note_mesh_error(dataset: xr.Dataset, error: float) -> None:
-    """Write an estimate into a dataset's attributes."""
-    dataset.attrs["mesh_error_at_rest"] = error
-    dataset.attrs["mesh_error_comment"] = (
-        "estimated relative error of the flat cell's bending stiffness in the worst direction, "
-        "from elements twice as large; in contact errors are up to a few times that"
-    )
+def note_errors(
+    dataset: xr.Dataset,
+    pattern: Pattern,
+    native: NativeModel,
+    problem: Problem,
+    tangent: TangentStiffness,
+) -> None:
+    """Write what is known of a model's own errors into a dataset's attributes."""
+    if isinstance(problem, CellProblem):
+        error = estimate_mesh_error(pattern, native.mesh, problem.model, tangent)
+        dataset.attrs["mesh_error_at_rest"] = error
+        dataset.attrs["mesh_error_comment"] = (
+            "estimated relative error of the flat cell's bending stiffness in the worst direction, "
+            "from elements twice as large; in contact errors are up to a few times that"
+        )
+    else:
+        dataset.attrs["validity"] = problem.validity

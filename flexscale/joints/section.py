@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from flexscale.arrays import FloatArray, IntArray
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.joints.pose import place, place_bends, place_rates
 from flexscale.joints.section_mesh import SectionMesh
-from flexscale.mechanics.energy import ALL, NOTHING, block_pairs, project_blocks
+from flexscale.mechanics.energy import NOTHING, block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanElements
 from flexscale.patterns.material import NeoHookean
 from flexscale.solve.linear import build_factorization
@@ -62,7 +62,7 @@ class Section:
     energy_floor = 1e-16
 
     def __init__(
-        self, mesh: SectionMesh, poisson_ratio: float, scales: NeoHookean | None = None
+        self, mesh: SectionMesh, poisson_ratio: float, scales: NeoHookean | None = None, slides: bool = False
     ) -> None:
         self.mesh = mesh
         sheet = NeoHookean(1.0, poisson_ratio)
@@ -72,12 +72,13 @@ class Section:
         held = np.zeros(n, dtype=bool)
         held[mesh.held_a] = held[mesh.held_b] = True
         self.held = np.concatenate([mesh.held_a, mesh.held_b])
-        self.active = np.flatnonzero(np.repeat(~held, 3))
+        free = np.repeat(~held[:, None], 3, axis=1)
+        free[:, 1] &= slides
+        self.active = np.flatnonzero(free)
         self.shift_mode: FloatArray = np.zeros(len(self.active))
         self._build_pattern(3 * n)
         self.system = UnconstrainedSystem(
-            build_factorization(self._upper.indptr, self._upper.indices),
-            self._upper.indptr[:-1].astype(np.int64),
+            build_factorization(self._free.indptr, self._free.indices), self._free.indptr[:-1]
         )
         self.system.constraint = np.zeros(len(self.active))
         self.pose: FloatArray = np.zeros(4)
@@ -88,22 +89,8 @@ class Section:
         rows = 3 * nodes[:, first, None, None] + np.arange(3)[:, None] + np.zeros((3, 3), int)
         columns = 3 * nodes[:, second, None, None] + np.arange(3) + np.zeros((3, 3), int)
         twice = (nodes[:, first] != nodes[:, second])[:, :, None, None] & np.ones((3, 3), bool)
-        inside = np.maximum(rows, columns) < n
-        self._direct, self._mirrored = np.flatnonzero(inside), np.flatnonzero(inside & twice)
-        rows, columns = rows.ravel(), columns.ravel()
-        i = np.concatenate([rows[self._direct], columns[self._mirrored]])
-        j = np.concatenate([columns[self._direct], rows[self._mirrored]])
-        entries, self._slots = np.unique(i * n + j, return_inverse=True)
-        indptr = np.searchsorted(entries, n * np.arange(n + 1))
-        self._matrix = sp.csr_array((np.ones(len(entries)), entries % n, indptr), shape=(n, n))
-        free = np.full(n, -1)
-        free[self.active] = np.arange(len(self.active))
-        i, j = free[entries // n], free[entries % n]
-        self._upper_slots: IntArray = np.flatnonzero((i >= 0) & (j >= i))
-        i, j = i[self._upper_slots], j[self._upper_slots]
-        n_free = len(self.active)
-        pointers = np.searchsorted(i, np.arange(n_free + 1))
-        self._upper = sp.csr_array((np.ones(len(i)), j, pointers), shape=(n_free, n_free))
+        self._matrix = _Slots(rows, columns, twice, np.arange(n))
+        self._free = _Slots(rows, columns, twice, self.active, upper=True)
 
     def rest(self) -> FloatArray:
         """(3 n_nodes,) places at rest."""
@@ -131,17 +118,10 @@ class Section:
 
     def hessian_values(self, state: State, project: str = NOTHING) -> FloatArray:
         """Upper-triangle values over the free unknowns."""
-        return self._all_values(state, project == ALL)[self._upper_slots]
+        return self._free.values(self._blocks(state))
 
-    def _all_values(self, state: State, project: bool = False) -> FloatArray:
-        blocks = np.concatenate([part.hessian_blocks(state.y) for part in self.energies])
-        if project:
-            blocks = project_blocks(blocks, _K)
-        flat = blocks.ravel()
-        mirrored = np.swapaxes(blocks, 2, 3).ravel()
-        del mirrored
-        values = np.concatenate([flat[self._direct], flat[self._mirrored]])
-        return np.bincount(self._slots, weights=values, minlength=len(self._matrix.data))
+    def _blocks(self, state: State) -> FloatArray:
+        return np.concatenate([part.hessian_blocks(state.y) for part in self.energies])
 
     def free_share(self, evaluation: Any, trial: Any) -> float:
         """1: nothing stands in the way."""
@@ -156,19 +136,16 @@ class Section:
 
         The state is an equilibrium under the pose.
         """
-        self._matrix.data = values = self._all_values(state)
+        blocks = self._blocks(state)
+        matrix = self._matrix.matrix(blocks)
         rates, bends = self._held_rates(pose)
-        self.system.factorize(values[self._upper_slots])
-        rates[self.active] = -self.system.solve_block((self._matrix @ rates)[self.active])
-        forces = rates.T @ np.where(self._is_held(), state.full_gradient, 0.0)
-        tangent = rates.T @ (self._matrix @ rates)
+        held = rates != 0.0
+        self.system.factorize(self._free.values(blocks))
+        rates[self.active] = -self.system.solve_block((matrix @ rates)[self.active])
+        forces = np.where(held, rates, 0.0).T @ state.full_gradient
+        tangent = rates.T @ (matrix @ rates)
         tangent[3, 3] += bends @ state.full_gradient
         return forces, 0.5 * (tangent + tangent.T), rates
-
-    def _is_held(self) -> Any:
-        held = np.ones(len(self._matrix.indptr) - 1, dtype=bool)
-        held[self.active] = False
-        return held
 
     def _held_rates(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         n = len(self.mesh.points)
@@ -177,6 +154,50 @@ class Section:
             rates[held] = place_rates(self.mesh.points[held], side, pose)
             bends[held] = place_bends(self.mesh.points[held], side, pose)
         return rates.reshape(-1, 4), bends.ravel()
+
+
+class _Slots:
+    """Where entries of element blocks go in a sparse matrix over some unknowns.
+
+    Parameters
+    ----------
+    rows, columns : (n_elements, n_pairs, 3, 3) unknowns of the entries of blocks i <= j.
+    twice : same shape, whether an entry also stands on the other side of the diagonal.
+    unknowns : (n,) those of the matrix, increasing.
+    upper : whether the upper triangle alone is wanted.
+    """
+
+    def __init__(
+        self,
+        rows: IntArray,
+        columns: IntArray,
+        twice: BoolArray,
+        unknowns: IntArray,
+        upper: bool = False,
+    ) -> None:
+        self.n = n = len(unknowns)
+        place = np.full(max(rows.max(), columns.max()) + 1, -1)
+        place[unknowns] = np.arange(n)
+        i, j, twice = place[rows.ravel()], place[columns.ravel()], twice.ravel()
+        source = np.flatnonzero(np.minimum(i, j) >= 0)
+        mirrored = source[twice[source]]
+        self._source = np.concatenate([source, mirrored])
+        i, j = np.concatenate([i[source], j[mirrored]]), np.concatenate([j[source], i[mirrored]])
+        if upper:
+            above = i <= j
+            self._source, i, j = self._source[above], i[above], j[above]
+        entries, self._slots = np.unique(i * n + j, return_inverse=True)
+        self.indptr = np.searchsorted(entries, n * np.arange(n + 1))
+        self.indices = entries % n
+
+    def values(self, blocks: FloatArray) -> FloatArray:
+        """Values on the pattern of element blocks (n_elements, n_pairs, 3, 3)."""
+        found = blocks.ravel()[self._source]
+        return np.bincount(self._slots, weights=found, minlength=len(self.indices))
+
+    def matrix(self, blocks: FloatArray) -> sp.csr_array:
+        """The matrix of element blocks."""
+        return sp.csr_array((self.values(blocks), self.indices, self.indptr), shape=(self.n, self.n))
 
 
 def _energy(mesh: SectionMesh, chosen: Any, material: NeoHookean) -> NeoHookeanElements:
@@ -194,13 +215,11 @@ def _shape_gradients(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     at, gauss = np.polynomial.legendre.leggauss(3)
     shape = np.stack([0.5 * at * (at - 1.0), 1.0 - at**2, 0.5 * at * (at + 1.0)], axis=1)
     slope = np.stack([at - 0.5, -2.0 * at, at + 0.5], axis=1)
-    half = 0.5 * (corners[:, 8] - corners[:, 0])
     # Node 3 j + i is the i-th across and the j-th up; point 3 k + l so too.
-    across = np.einsum("lj,ki->klji", shape, slope).reshape(9, 9)
-    up = np.einsum("lj,ki->klji", slope, shape).reshape(9, 9)
+    stretch_n, stretch_z = corners[:, :3, 0] @ slope.T, corners[:, ::3, 1] @ slope.T
     gradients = np.zeros((len(corners), 9, _K, 3))
-    gradients[:, :, :9, 0] = across / half[:, 0, None, None]
-    gradients[:, :, :9, 2] = up / half[:, 1, None, None]
+    gradients[:, :, :9, 0] = np.einsum("lj,ki,ek->elkji", shape, slope, 1.0 / stretch_n).reshape(-1, 9, 9)
+    gradients[:, :, :9, 2] = np.einsum("lj,ki,el->elkji", slope, shape, 1.0 / stretch_z).reshape(-1, 9, 9)
     gradients[:, :, 9, 1] = 1.0
-    weights = np.outer(np.prod(half, axis=1), np.outer(gauss, gauss))
-    return gradients, weights
+    weights = np.einsum("el,l,ek,k->elk", stretch_z, gauss, stretch_n, gauss)
+    return gradients, weights.reshape(-1, 9)

@@ -83,7 +83,7 @@ def build_section_mesh(shape: SectionShape, grading: Grading) -> SectionMesh:
     bottoms = [-1.0, *([-shape.groove_depth] if right else []), 0.0]
     up = _graded(bottoms, [False] + [True] * (len(bottoms) - 1), grading)
     if shape.height is not None:
-        coarse = Grading(grading.smallest, grading.growth, np.inf)
+        coarse = Grading(3.0 * grading.smallest, 1.25 * grading.growth, np.inf)
         up = np.concatenate([up, _graded([0.0, shape.height], [True, False], coarse)[1:]])
     return _product_mesh(shape, across, up)
 

@@ -110,6 +110,16 @@ def fit_errors(
     return np.divide(found, sizes, out=np.zeros(5), where=sizes > 0.0)
 
 
+def with_stiffness(
+    exponents: IntArray, coefficients: FloatArray, stiffness: FloatArray
+) -> FloatArray:
+    """Coefficients (n_terms,) with a quadratic part of another stiffness (4, 4)."""
+    found = coefficients.copy()
+    for row, value in zip(*_quadratic_terms(stiffness), strict=True):
+        found[(exponents == row).all(axis=1)] = value
+    return found
+
+
 def _quadratic_terms(stiffness: FloatArray) -> tuple[IntArray, FloatArray]:
     pairs = [(0, 0), (0, 3), (3, 3), (1, 1), (2, 2)]
     exponents = np.zeros((len(pairs), 4), dtype=np.int64)

@@ -21,7 +21,8 @@ from flexscale.arrays import FloatArray
 
 LARGEST_TURN = 0.35  # radian
 SLIDES = 10.0  # thicknesses of slide up to which the law, exact in it, is called inside its range
-_STEPS = np.linspace(0.0, 1.0, 13)[1:]
+_OPENINGS_AND_SHIFTS = ((0.0, 0.0), (0.0, 0.6), (0.5, 0.3), (0.5, 1.0), (1.0, 0.0), (1.0, 1.0))
+_STEPS = np.linspace(0.0, 1.0, 8)[1:]
 
 
 @dataclass(frozen=True)
@@ -89,16 +90,33 @@ def fitted_ends(poses: PoseRange) -> FloatArray:
     shares = [
         (turn, opening, shift)
         for turn in (0.0, 0.25, 0.5, 0.64, 0.82, 1.0)
-        for opening in (0.0, 0.5, 1.0)
-        for shift in ((0.0, 0.6, 1.0) if opening != 0.5 else (0.3, 1.0))
+        for opening, shift in _OPENINGS_AND_SHIFTS
     ]
     return np.array([poses.pose(*share) for share in shares])
 
 
-def held_out_ends(poses: PoseRange, n: int = 10) -> FloatArray:
-    """(n, 4) ends of other ways, by the additive recurrence of the plastic number in 3-D."""
+def line_ends(poses: PoseRange) -> FloatArray:
+    """(5, 4) ends of the lines that a figure shows: opened and closed gap, shift, opening and
+    touching."""
+    (low, _), shift, turn = poses.bounds[0], poses.bounds[1, 1], LARGEST_TURN
+    touching = max(poses.slope * turn - poses.gap, 0.0)
+    return np.array(
+        [
+            [poses.before, 0.0, 0.0, 0.0],
+            [low, 0.0, 0.0, 0.0],
+            [0.0, shift, 0.0, 0.0],
+            [0.0, 0.0, 0.0, -turn],
+            [touching, 0.0, 0.0, turn],
+        ]
+    )
+
+
+def held_out_ends(poses: PoseRange, n: int = 8) -> FloatArray:
+    """(n + 5, 4) ends of other ways: those of `line_ends`, and n by the additive recurrence of the
+    plastic number in three dimensions."""
     steps = 1.0 / 1.22074408460575947536 ** np.arange(1, 4)
-    return np.array([poses.pose(*((0.5 + k * steps) % 1.0)) for k in range(1, n + 1)])
+    spread = [poses.pose(*((0.5 + k * steps) % 1.0)) for k in range(1, n + 1)]
+    return np.concatenate([line_ends(poses), spread])
 
 
 def guarding_ends(poses: PoseRange) -> FloatArray:

@@ -132,12 +132,17 @@ def compute_joint(key: JointKey, progress: Progress | None = None) -> SolvedJoin
         with_stiffness(exponents, coefficients, stiffness),
         fit_errors(exponents, coefficients, held),
         np.array([meshed[size] / stiffness[size] - 1.0 for size in sizes]),
-        np.concatenate([fitted.poses, held.poses]),
-        np.concatenate([fitted.energies, held.energies]),
-        np.concatenate([fitted.forces, held.forces]),
+        _kept(fitted.poses, held.poses),
+        _kept(fitted.energies, held.energies),
+        _kept(fitted.forces, held.forces),
         np.arange(len(fitted.poses) + len(held.poses)) >= len(fitted.poses),
         n_missing,
     )
+
+
+def _kept(*arrays: FloatArray) -> FloatArray:
+    """States as files keep them, in single precision: a joint is the same, computed or loaded."""
+    return np.concatenate(arrays).astype(np.float32).astype(np.float64)
 
 
 def _check_reached(key: JointKey, fitted: Samples, held: Samples, n_missing: int) -> None:

@@ -148,7 +148,52 @@ def _shape_gradients(corners: FloatArray, order: int) -> tuple[FloatArray, Float
     return gradients, np.repeat(volumes[:, None] / 4.0, 4, axis=1)
 
 
-class NeoHookeanTets:
+class NeoHookeanElements:
+    """Elastic energy of elements of any shape, given by their rest gradients.
+
+    Parameters
+    ----------
+    gradients : (n_elements, n_q, k, 3) mm-1, of the shape functions at the quadrature points.
+    weights : (n_elements, n_q) mm3, rest volumes of the quadrature points.
+    vectors : (n_elements, k) rows of the world vectors `y` that hold the nodes' positions.
+    shear_modulus, lame_lambda : MPa.
+    """
+
+    part_names: tuple[str, ...] = ("scales",)
+
+    def __init__(
+        self,
+        gradients: FloatArray,
+        weights: FloatArray,
+        vectors: IntArray,
+        shear_modulus: float,
+        lame_lambda: float,
+    ) -> None:
+        self.gradients, self.weights = gradients, weights
+        self.vectors = np.ascontiguousarray(vectors, dtype=np.int64)
+        self.shear_modulus = float(shear_modulus)
+        self.lame_lambda = float(lame_lambda)
+
+    def _arguments(self, y: FloatArray) -> tuple:
+        return (y, self.vectors, self.gradients, self.weights, self.shear_modulus, self.lame_lambda)
+
+    def energy_parts(self, y: FloatArray) -> FloatArray:
+        """(1,) N mm; infinite where an element is inverted."""
+        return np.array([_energies(*self._arguments(y))])
+
+    def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
+        """Add dE/dy [N] to `gradient (n_y, 3)`."""
+        _gradient(*self._arguments(y), gradient)
+
+    def hessian_blocks(self, y: FloatArray) -> FloatArray:
+        """(n_elements, k (k + 1) / 2, 3, 3) N/mm."""
+        k = self.vectors.shape[1]
+        out = np.empty((len(self.vectors), k * (k + 1) // 2, 3, 3))
+        _hessian(*self._arguments(y), out)
+        return out
+
+
+class NeoHookeanTets(NeoHookeanElements):
     """Elastic energy of the scales, on straight-sided tets.
 
     Parameters
@@ -160,8 +205,6 @@ class NeoHookeanTets:
     shear_modulus, lame_lambda : MPa.
     """
 
-    part_names: tuple[str, ...] = ("scales",)
-
     def __init__(
         self,
         rest_positions: FloatArray,
@@ -171,25 +214,5 @@ class NeoHookeanTets:
         lame_lambda: float,
     ) -> None:
         order = 2 if tets.shape[1] == 10 else 1
-        self.gradients, self.weights = _shape_gradients(rest_positions[tets[:, :4]], order)
-        self.vectors = np.ascontiguousarray(vectors, dtype=np.int64)
-        self.shear_modulus = float(shear_modulus)
-        self.lame_lambda = float(lame_lambda)
-
-    def _arguments(self, y: FloatArray) -> tuple:
-        return (y, self.vectors, self.gradients, self.weights, self.shear_modulus, self.lame_lambda)
-
-    def energy_parts(self, y: FloatArray) -> FloatArray:
-        """(1,) N mm; infinite where a tetrahedron is inverted."""
-        return np.array([_energies(*self._arguments(y))])
-
-    def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
-        """Add dE/dy [N] to `gradient (n_y, 3)`."""
-        _gradient(*self._arguments(y), gradient)
-
-    def hessian_blocks(self, y: FloatArray) -> FloatArray:
-        """(n_tets, k (k + 1) / 2, 3, 3) N/mm."""
-        k = self.vectors.shape[1]
-        out = np.empty((len(self.vectors), k * (k + 1) // 2, 3, 3))
-        _hessian(*self._arguments(y), out)
-        return out
+        gradients, weights = _shape_gradients(rest_positions[tets[:, :4]], order)
+        super().__init__(gradients, weights, vectors, shear_modulus, lame_lambda)

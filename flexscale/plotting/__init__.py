@@ -3,6 +3,7 @@
 from flexscale.plotting.curves import curves
 from flexscale.plotting.fits import fit
 from flexscale.plotting.gap_models import gap_model
+from flexscale.plotting.joints import joint
 from flexscale.plotting.macro_polar import macro_polar
 from flexscale.plotting.polar import polar, stiffness
 from flexscale.plotting.rigs import rig
@@ -19,6 +20,7 @@ __all__ = [
     "fit",
     "flexscale_style",
     "gap_model",
+    "joint",
     "macro_polar",
     "polar",
     "rig",

@@ -9,6 +9,7 @@ from flexscale.steps.kinds import (
     cell,
     fit,
     gap_model,
+    joint,
     native_rig,
     native_sheet,
     rig,
@@ -25,6 +26,7 @@ STEPS: dict[str, Step] = {
     step.name: step
     for step in (
         cell.CELL,
+        joint.JOINT,
         tangent.TANGENT,
         sweep.SWEEP,
         shape.SHAPE,

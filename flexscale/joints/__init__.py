@@ -1,0 +1,1 @@
+"""The joint between two scales: its cross-section as a solid, and the law fitted to it."""

@@ -22,6 +22,9 @@ from flexscale.arrays import FloatArray
 from flexscale.solve.linear import Factorization
 
 
+_NOTHING = 1e-9  # of the mean diagonal
+
+
 class ConstrainedSystem:
     """Factorizes and solves with H on a fixed pattern under one linear constraint.
 
@@ -57,7 +60,9 @@ class ConstrainedSystem:
         values = values.copy()
         scale = float(np.abs(values[self.diagonal]).mean())
         values[self.diagonal] += damping * scale
-        self._sigma = abs(float(values[self.diagonal[self.shift_unknown]])) + 1e-300
+        self._sigma = abs(float(values[self.diagonal[self.shift_unknown]]))
+        if self._sigma <= _NOTHING * scale:  # a cell of one scale shifts as a whole
+            self._sigma = scale
         values[self.diagonal[self.shift_unknown]] += self._sigma
         negative = self.factorization.factorize(values)
         if negative < 0:

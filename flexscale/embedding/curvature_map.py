@@ -48,7 +48,7 @@ class Bend:
 
 @dataclass(frozen=True)
 class TensorBend:
-    """Two curvatures at a time: a curvature [mm-1] times a tensor (2, 2), such as that of a dome."""
+    """Two curvatures at a time: a curvature [mm-1] times a tensor (2, 2)."""
 
     curvature: float
     tensor: FloatArray

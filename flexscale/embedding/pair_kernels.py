@@ -28,8 +28,14 @@ def unknowns_of(first: int, second: int, n_unknowns: int, out: IntArray) -> None
 
 @njit(cache=True)
 def place_pairs(
-    z: FloatArray, curvature: float, tensor: FloatArray, scales: IntArray, lifts: FloatArray,
-    ways: FloatArray, order: int, out: FloatArray,
+    z: FloatArray,
+    curvature: float,
+    tensor: FloatArray,
+    scales: IntArray,
+    lifts: FloatArray,
+    ways: FloatArray,
+    order: int,
+    out: FloatArray,
 ) -> None:
     """Poses (n_pairs, 24, jet) of all pairs, see `place_pair`.
 
@@ -64,8 +70,10 @@ def place_rows(
 def station_opening(
     relative: FloatArray, point: FloatArray, normal: FloatArray, q: FloatArray, rows: FloatArray
 ) -> float:
-    """u, w, s and phi at a station, and their derivatives (4, 6) by the relative pose; other entries
-    of `rows` must be 0. Returns the sine of half the turn about the joint."""
+    """u, w, s and phi at a station, and their derivatives (4, 6) by the relative pose.
+
+    Other entries of `rows` must be 0. Returns the sine of half the turn about the joint.
+    """
     x, y = point
     n0, n1 = normal
     # The arrow at the station is that at the point and turn x (x, y, 0).
@@ -85,7 +93,11 @@ def station_opening(
 
 @njit(cache=True)
 def all_openings(
-    poses: FloatArray, scales: IntArray, arms: FloatArray, starts: IntArray, points: FloatArray,
+    poses: FloatArray,
+    scales: IntArray,
+    arms: FloatArray,
+    starts: IntArray,
+    points: FloatArray,
     normals: FloatArray,
 ) -> FloatArray:
     """(n_stations, 4) u, w, s [mm] and phi [radian] of all stations; see `all_joints`."""
@@ -100,9 +112,17 @@ def all_openings(
 
 @njit(cache=True)
 def joint_energy(
-    relative: FloatArray, points: FloatArray, normals: FloatArray, weights: FloatArray,
-    exponents: IntArray, coefficients: FloatArray, thickness: float, modulus: float,
-    bounds: FloatArray, gradient: FloatArray, hessian: FloatArray,
+    relative: FloatArray,
+    points: FloatArray,
+    normals: FloatArray,
+    weights: FloatArray,
+    exponents: IntArray,
+    coefficients: FloatArray,
+    thickness: float,
+    modulus: float,
+    bounds: FloatArray,
+    gradient: FloatArray,
+    hessian: FloatArray,
 ) -> float:
     """Energy of the joints of one pair, N mm, with its derivatives by the relative pose.
 
@@ -138,9 +158,20 @@ def joint_energy(
 
 @njit(cache=True)
 def all_joints(
-    poses: FloatArray, scales: IntArray, arms: FloatArray, starts: IntArray, points: FloatArray,
-    normals: FloatArray, weights: FloatArray, exponents: IntArray, coefficients: FloatArray,
-    thickness: float, modulus: float, bounds: FloatArray, order: int, gradient: FloatArray,
+    poses: FloatArray,
+    scales: IntArray,
+    arms: FloatArray,
+    starts: IntArray,
+    points: FloatArray,
+    normals: FloatArray,
+    weights: FloatArray,
+    exponents: IntArray,
+    coefficients: FloatArray,
+    thickness: float,
+    modulus: float,
+    bounds: FloatArray,
+    order: int,
+    gradient: FloatArray,
     blocks: FloatArray,
 ) -> float:
     """Energy of all joints, N mm; their derivatives are added.
@@ -189,8 +220,15 @@ def all_joints(
 
 @njit(cache=True)
 def pull_forces(
-    poses: FloatArray, scales: IntArray, pair: IntArray, second: BoolArray, rest: FloatArray,
-    forces: FloatArray, order: int, gradient: FloatArray, blocks: FloatArray,
+    poses: FloatArray,
+    scales: IntArray,
+    pair: IntArray,
+    second: BoolArray,
+    rest: FloatArray,
+    forces: FloatArray,
+    order: int,
+    gradient: FloatArray,
+    blocks: FloatArray,
 ) -> None:
     """Derivatives of forces (n_rows, 3) times positions, added to gradient and blocks as above."""
     total = np.zeros((len(scales), 24))
@@ -229,8 +267,13 @@ def row_rates(
 
 @njit(cache=True)
 def pull_stencils(
-    poses: FloatArray, pair: IntArray, second: BoolArray, rest: FloatArray, stencils: IntArray,
-    hessians: FloatArray, blocks: FloatArray,
+    poses: FloatArray,
+    pair: IntArray,
+    second: BoolArray,
+    rest: FloatArray,
+    stencils: IntArray,
+    hessians: FloatArray,
+    blocks: FloatArray,
 ) -> None:
     """Add Hessians (n, 12, 12) by the positions of stencils (n, 4) of rows to the pairs' blocks."""
     rates, carried = np.empty((12, _N)), np.empty((12, _N))
@@ -244,9 +287,7 @@ def pull_stencils(
 
 
 @njit(cache=True)
-def add_blocks(
-    blocks: FloatArray, slots: IntArray, values: FloatArray
-) -> None:
+def add_blocks(blocks: FloatArray, slots: IntArray, values: FloatArray) -> None:
     """Add the pairs' blocks to the values of the upper triangle; slots of -1 are left out."""
     for k in range(len(blocks)):
         for i in range(_N):
@@ -257,9 +298,7 @@ def add_blocks(
 
 
 @njit(cache=True)
-def gather_column(
-    blocks: FloatArray, scales: IntArray, column: int, out: FloatArray
-) -> None:
+def gather_column(blocks: FloatArray, scales: IntArray, column: int, out: FloatArray) -> None:
     """out (n_unknowns + 1,) += one column of all blocks."""
     number = np.empty(_N, dtype=np.int64)
     for k in range(len(blocks)):

@@ -92,7 +92,9 @@ def _moments(outline: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     here, after = here - center, after - center
     cross = here[:, 0] * after[:, 1] - here[:, 1] * after[:, 0]
     both = here + after
-    sums = np.einsum("n,ni,nj->ij", cross, here, here) + np.einsum("n,ni,nj->ij", cross, after, after)
+    sums = np.einsum("n,ni,nj->ij", cross, here, here) + np.einsum(
+        "n,ni,nj->ij", cross, after, after
+    )
     moment = (sums + np.einsum("n,ni,nj->ij", cross, both, both)) / (24.0 * area)
     return area, center + outline[0], moment
 
@@ -109,7 +111,7 @@ def _near(
         for b in range(a, len(shapes)):
             for step in _steps(outlines[a], outlines[b], short, reach):
                 offset = step @ change
-                m, n = (int(round(value)) for value in offset)
+                m, n = (int(value) for value in np.rint(offset))
                 if a == b and (m, n) <= (0, 0):
                     continue
                 moved = shapely.Polygon(outlines[b] + step @ short)
@@ -180,7 +182,7 @@ class RigidCell:
         return out
 
     def lifts(self, tensor: FloatArray) -> FloatArray:
-        """(n_scales,) height of anchors by kappa at which flat bases lie on the cylinder on average."""
+        """(n_scales,) height of anchors by kappa at which bases lie on the cylinder on average."""
         lifts: FloatArray = 0.5 * np.einsum("ij,nij->n", tensor, self.scales.second_moments)
         return lifts
 

@@ -91,8 +91,14 @@ def rotation_of(c: FloatArray, work: FloatArray, out: FloatArray, n: int, order:
 
 @njit(cache=True)
 def neighbor_motion(
-    way: FloatArray, tensor: FloatArray, stretch: FloatArray, curvature: float,
-    work: FloatArray, out: FloatArray, n: int, order: int,
+    way: FloatArray,
+    tensor: FloatArray,
+    stretch: FloatArray,
+    curvature: float,
+    work: FloatArray,
+    out: FloatArray,
+    n: int,
+    order: int,
 ) -> None:
     """The motion (V F D, Q) between the frames of two scales.
 
@@ -161,8 +167,17 @@ N_WORK = 40  # rows of jets that the kernels below work in
 
 @njit(cache=True)
 def place_pair(
-    a: FloatArray, b: FloatArray, lifts: FloatArray, way: FloatArray, tensor: FloatArray,
-    stretch: FloatArray, curvature: float, work: FloatArray, out: FloatArray, n: int, order: int,
+    a: FloatArray,
+    b: FloatArray,
+    lifts: FloatArray,
+    way: FloatArray,
+    tensor: FloatArray,
+    stretch: FloatArray,
+    curvature: float,
+    work: FloatArray,
+    out: FloatArray,
+    n: int,
+    order: int,
 ) -> None:
     """Poses of a scale and of its neighbor, in the frame of the first.
 
@@ -208,12 +223,17 @@ def place_pair(
 
 @njit(cache=True)
 def relative_pose(
-    poses: FloatArray, arm_a: FloatArray, arm_b: FloatArray, work: FloatArray, out: FloatArray,
-    n: int, order: int,
+    poses: FloatArray,
+    arm_a: FloatArray,
+    arm_b: FloatArray,
+    work: FloatArray,
+    out: FloatArray,
+    n: int,
+    order: int,
 ) -> None:
     """How a scale lies against another, in the frame midway between the two.
 
-    poses : (24, jet) of `place_pair`; arm_a, arm_b : (3,) from the anchors to one point at rest, mm.
+    poses : (24, jet) of `place_pair`; arm_a, arm_b : (3,) mm, from the anchors to a point at rest.
     out : (6, jet) arrow from the point as part of a to it as part of b, mm; then 2 sin(t/2) axis of
     the turn t from a to b. A point at r from the first then opens by arrow + turn x r.
     """

@@ -149,6 +149,11 @@ class CellProblem:
         return self.mesh.n_scales
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """None: what a shell in the gap is not, is told where the model is chosen."""
+        return ()
+
+    @property
     def parts(self) -> tuple[type[CellProblem], tuple[Any, ...]]:
         """What makes it again in another process."""
         return CellProblem, (self.mesh, self.model, self.bodies)

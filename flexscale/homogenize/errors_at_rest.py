@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,8 @@ from flexscale.patterns import Pattern
 
 if TYPE_CHECKING:
     import xarray as xr
+
+log = logging.getLogger(__name__)
 
 _ORDER = 2.0
 _DIRECTIONS = np.arange(0.0, 180.0, 5.0)
@@ -67,5 +70,6 @@ def note_errors(
             "estimated relative error of the flat cell's bending stiffness in the worst direction, "
             "from elements twice as large; in contact errors are up to a few times that"
         )
-    else:
-        dataset.attrs["validity"] = problem.validity
+    if problem.doubts:
+        dataset.attrs["doubts"] = "; ".join(problem.doubts)
+        log.warning("%s: %s.", pattern.name, dataset.attrs["doubts"])

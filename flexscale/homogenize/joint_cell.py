@@ -20,6 +20,7 @@ from flexscale.embedding.pair_kernels import (
 )
 from flexscale.embedding.rigid_cell import RigidCell, RigidWorld, find_rigid_scales
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
+from flexscale.homogenize.joint_validity import doubts
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.problem import FlatBends
@@ -91,7 +92,7 @@ class JointCell:
     @classmethod
     def from_pattern(cls, pattern: Pattern, native: NativeModel) -> JointCell:
         """The cell of a pattern on the joints that its gap, sheet and materials make."""
-        return cls(pattern, joint_law(pattern), native)
+        return cls(pattern, native.law or joint_law(pattern), native)
 
     def _place_joints(self, joints: Sequence[Joint]) -> None:
         scales = self.embedding.scales
@@ -157,6 +158,11 @@ class JointCell:
         return self.embedding.scales.n_scales
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on what of the pattern joints were not compared with solids for."""
+        return doubts(self.pattern)
+
+    @property
     def parts(self) -> tuple[type[JointCell], tuple[Any, ...]]:
         """What makes it again in another process."""
         return JointCell, (self.pattern, self.law, self.native)
@@ -172,7 +178,9 @@ class JointCell:
         """Answers of the flat cell to small bends; its system is left factorized at rest."""
         cell, scales = self.embedding, self.embedding.scales
         # Of energies quadratic in k: those of kappa_xx, kappa_yy, 2 kappa_xy, and of two at a time.
-        units = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
+        units = np.array(
+            [[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]]
+        )
         rates, loads = [], []
         fixed, second = np.empty((3, 3)), np.empty(cell.n_unknowns + 1)
         state = self.bent(TensorBend(0.0, units[0])).evaluate(cell.rest)
@@ -201,15 +209,13 @@ class JointCell:
             state.world.poses, scales.pairs, self._arms, self._starts, *self._stations[:2]
         )
 
-    def joints(self, poses: FloatArray, order: int, gradient: FloatArray, blocks: FloatArray) -> float:
+    def joints(
+        self, poses: FloatArray, order: int, gradient: FloatArray, blocks: FloatArray
+    ) -> float:
         """Energy of the joints, with derivatives added as `pair_kernels.all_joints` says."""
         scales = self.embedding.scales
-        return float(
-            all_joints(
-                poses, scales.pairs, self._arms, self._starts, *self._stations, *self._law, order,
-                gradient, blocks,
-            )  # fmt: skip
-        )
+        where = (scales.pairs, self._arms, self._starts, *self._stations)
+        return float(all_joints(poses, *where, *self._law, order, gradient, blocks))
 
 
 _NO_BLOCKS = np.zeros((0, N_VARIABLES, N_VARIABLES))

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.curvature_map import Bend, TensorBend
 
 if TYPE_CHECKING:
     from flexscale.homogenize.problem import Contact, Problem
@@ -29,7 +29,7 @@ _MET = 4.0  # d_hat, closer than which they are measured there
 
 
 def keep_apart(
-    problem: Problem, start: FloatArray, wanted: FloatArray, bend: Bend
+    problem: Problem, start: FloatArray, wanted: FloatArray, bend: Bend | TensorBend
 ) -> FloatArray | None:
     """State near a wanted one under `bend`, to which no scales meet on the way.
 
@@ -60,7 +60,7 @@ class _Search:
         contact: Contact,
         start: FloatArray,
         wanted: FloatArray,
-        bend: Bend,
+        bend: Bend | TensorBend,
     ) -> None:
         self.problem, self.contact, self.bend = problem, contact, bend
         self.start = start

@@ -8,7 +8,9 @@ from flexscale.patterns import Pattern
 
 def pattern_scalars(pattern: Pattern, native: NativeModel) -> dict[str, float | str]:
     """Scalar coordinates of a pattern's datasets, in the units of `datasets.variables.SCALARS`."""
-    meshed = {} if native.name == "joints" else {"mesh_size": pattern.gap / native.mesh.across}
+    meshed: dict[str, float | str] = (
+        {} if native.name == "joints" else {"mesh_size": pattern.gap / native.mesh.across}
+    )
     return meshed | {
         "family": pattern.family,
         "pattern": pattern.name,

@@ -177,9 +177,7 @@ class _Bending:
         return _next_point(self.problem, self.line, before, curvature, solution)
 
 
-def load_line(
-    problem: Problem, line: Line, checkpoint: Checkpoint | None
-) -> list[dict[str, Any]]:
+def load_line(problem: Problem, line: Line, checkpoint: Checkpoint | None) -> list[dict[str, Any]]:
     """Finished samples of a line from which `follow_line` can go on."""
     needed = {"energy_density", "moment"}
     if problem.contact is not None:
@@ -311,9 +309,7 @@ def _is_free(problem: Problem, line: Line, point: _Point, state: Any) -> bool:
     return problem.contact.free_share(start, state.world.y) >= 1.0
 
 
-def _measure(
-    problem: Problem, line: Line, curvature: float, solution: Solution
-) -> dict[str, Any]:
+def _measure(problem: Problem, line: Line, curvature: float, solution: Solution) -> dict[str, Any]:
     """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
     state = solution.evaluation
     energy_density, moment = _energy_and_moment(problem, line, curvature, solution)

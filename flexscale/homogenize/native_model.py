@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flexscale import checks
-from flexscale.checks import checked, choice
+from flexscale.checks import checked, choice, instance, optional
 from flexscale.errors import BadInputError, ConfigError, shown
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
@@ -15,7 +15,12 @@ from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.solve.solver_options import SolverOptions
 
-NATIVE_MODELS = ("shell",)
+if TYPE_CHECKING:
+    from flexscale.mechanics.joint_law import JointLaw
+
+NATIVE_MODELS = ("joints", "shell")
+#: Options that a native model does not have: they must be left at their defaults.
+_WITHOUT = {"joints": ("mesh", "substrate", "scales")}
 NAME = "native"  # what a configuration and an experiment file call a model's name
 
 
@@ -26,6 +31,7 @@ NAME = "native"  # what a configuration and an experiment file call a model's na
     scales=checks.SCALES,
     contact=checks.CONTACT,
     solver=checks.SOLVER,
+    law=optional(instance("flexscale.mechanics.joint_law:JointLaw", "take fs.joint_law(pattern)")),
 )
 @dataclass(frozen=True)
 class NativeModel:
@@ -33,32 +39,58 @@ class NativeModel:
 
     Attributes
     ----------
-    name : "shell", the paper's: a shell in the gaps, clamped to scales of finite elements.
-    mesh : element sizes.
-    substrate : elements of the substrate.
-    scales : how scales are modeled.
+    name : "joints", of what is printed: rigid scales on joints, whose law comes from a solid
+        cross-section of the sheet between them; or "shell", the paper's: a shell in the gaps,
+        clamped to scales of finite elements, two to ten times stiffer where the gap is as wide as
+        the sheet is thick.
+    mesh : element sizes; not of joints.
+    substrate : elements of the substrate; not of joints.
+    scales : how scales are modeled; not of joints, whose law has the scales' rims.
     contact : how scales touch.
     solver : how equilibria are sought.
+    law : of joints, in place of that which gap, sheet and materials of the pattern make.
     """
 
-    name: str = "shell"
+    name: str = "joints"
     mesh: MeshOptions = field(default_factory=MeshOptions)
     substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
     scales: ScaleOptions = field(default_factory=ScaleOptions)
     contact: ContactOptions = field(default_factory=ContactOptions)
     solver: SolverOptions = field(default_factory=SolverOptions)
+    law: JointLaw | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.law is not None and self.name != "joints":
+            raise ConfigError(f"The native model {self.name!r} has no joints: leave law out.")
+        for part in _WITHOUT.get(self.name, ()):
+            if getattr(self, part) != PARTS[part]():
+                raise ConfigError(
+                    f"The native model {self.name!r} has no {part}: leave {part} out, or say "
+                    f'native "shell" (NativeModel("shell", {part}=…) in Python).'
+                )
+
+    @property
+    def input(self) -> str:
+        """Step whose dataset it is made of."""
+        return "joint" if self.name == "joints" else "cell"
 
     @property
     def without_contact(self) -> NativeModel:
         """The same with scales that pass through one another."""
         return replace(self, contact=ContactOptions(enabled=False))
 
-    def to_config(self, *parts: str) -> dict[str, Any]:
+    def to_config(self, parts: Sequence[str] | None = None) -> dict[str, Any]:
         """Name, and options by part, those of `parts` alone if given; plain numbers and text.
+
+        Options that the model does not have are left out.
 
         `from_config` is the inverse.
         """
-        options = {part: getattr(self, part).to_config() for part in parts or PARTS}
+        kept = [part for part in PARTS if part not in _WITHOUT.get(self.name, ())]
+        kept = [part for part in kept if parts is None or part in parts]
+        options = {part: getattr(self, part).to_config() for part in kept}
+        if self.law is not None:
+            options["joint_stiffness"] = self.law.stiffness.tolist()
         return {NAME: self.name, **options}
 
     @classmethod
@@ -87,7 +119,7 @@ class NativeModel:
 PARTS: dict[str, type[Any]] = {
     item.name: item.default_factory  # type: ignore[misc]
     for item in fields(NativeModel)
-    if item.name != "name"
+    if item.name not in ("name", "law")
 }
 
 
@@ -98,7 +130,7 @@ def native_model(value: Any, label: str = "model") -> NativeModel:
     if isinstance(value, str):
         return NativeModel(value)
     raise BadInputError(
-        f'{label} must be a native model, not {shown(value)}: write model="shell", or '
+        f'{label} must be a native model, not {shown(value)}: write model="joints", or '
         "model=fs.NativeModel(…)."
     )
 
@@ -110,6 +142,11 @@ def require_finite_sheet(model: NativeModel) -> None:
     ------
     ConfigError : scales or a substrate that only a periodic cell has.
     """
+    if model.name != "shell":
+        raise ConfigError(
+            f"Native sheets and stages are of the native model 'shell', not {model.name!r}: say "
+            'native: shell (model="shell" in Python).'
+        )
     if model.scales.model != "modes":
         raise ConfigError(
             f"A native sheet or stage has scales of few modes, not {model.scales.model!r}: leave "

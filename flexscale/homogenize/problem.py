@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
 from flexscale.mechanics.contact_gaps import LinearGaps
 from flexscale.solve.negative_modes import System
 from flexscale.solve.newton import Objective
@@ -117,13 +116,17 @@ class Problem(Protocol):
         """Linear systems on the present pattern of nonzeros."""
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on what of the pattern the model was not compared with solids for."""
+
+    @property
     def parts(self) -> tuple[Callable[..., Problem], tuple[Any, ...]]:
         """What makes it again in another process, picklable."""
 
-    def bent(self, bend: Bend) -> Bent:
+    def bent(self, bend: Any) -> Bent:
         """The cell's energy as a function of z under a bend."""
 
-    def fit_room(self, z: FloatArray, bend: Bend) -> None:
+    def fit_room(self, z: FloatArray, bend: Any) -> None:
         """Forget what earlier states left: results depend on z alone."""
 
     def flat_bends(self) -> FlatBends:

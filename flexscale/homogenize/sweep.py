@@ -14,10 +14,10 @@ from flexscale.checks import checked, flag, function, series, whole
 from flexscale.errors import UnitRangeError
 from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.checkpoint import Checkpoint
+from flexscale.homogenize.errors_at_rest import note_errors
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line, load_line
 from flexscale.homogenize.line_workers import LineWorkers
-from flexscale.homogenize.errors_at_rest import note_errors
 from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.homogenize.problem import Problem
 from flexscale.homogenize.sweep_dataset import build_dataset_of
@@ -71,7 +71,7 @@ def sweep(
     curvatures: Sequence[float],
     sides: Sequence[str] = ("closing", "opening"),
     *,
-    model: NativeModel | str = "shell",
+    model: NativeModel | str = "joints",
     symmetry: bool = True,
     workers: int | None = None,
     checkpoint: Checkpoint | None = None,

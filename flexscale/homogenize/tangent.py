@@ -117,7 +117,7 @@ def _in_plane(problem: Problem) -> FloatArray:
 )
 def tangent_stiffness(
     pattern: Pattern,
-    model: NativeModel | str = "shell",
+    model: NativeModel | str = "joints",
 ) -> TangentStiffness:
     """Bending and in-plane stiffness of a pattern at rest, in seconds.
 

@@ -207,7 +207,6 @@ class GapModel:
         SchemaError : a dataset of another kind, or values that no model has.
         """
         from flexscale.homogenize.flat_contact import FlatContact
-    from flexscale.homogenize.problem import Problem
 
         require_variables(dataset, (*_STORED, *_GAPS), "A gap model", "gap_model")
         check_dataset(dataset, "gap_model")
@@ -260,7 +259,7 @@ def gap_model(
     pattern: Pattern,
     sweep: xr.Dataset | None = None,
     *,
-    model: NativeModel | str = "shell",
+    model: NativeModel | str = "joints",
     w_biaxial: float | None = None,
 ) -> GapModel:
     """The macro model of a pattern's flat cell, in seconds.

@@ -12,6 +12,7 @@ SWEEPS = 4  # of collision detection along one way
 # early tells a shorter way that is free.
 MOST_SWEEP_STEPS = 10_000
 
+
 def barrier_stiffness(force: float, activation_distance: float) -> float:
     """Stiffness at which one pair at half the activation distance pushes with `force` [N].
 

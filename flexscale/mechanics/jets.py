@@ -1,6 +1,6 @@
 """Jets: numbers that carry their first and second derivatives by a few variables, exactly.
 
-A jet of n variables is a row of 1 + n + n n numbers: value, gradient, Hessian (row by row). Sums and
+A jet of n variables is a row of 1 + n + n n numbers: value, gradient, Hessian row by row. Sums and
 products follow the rules of differentiation, so that whatever is computed of jets has its exact
 derivatives. Kernels here write into a row of a table that the caller provides; with order 1 the
 Hessian is left alone, with order 0 the gradient too.
@@ -8,7 +8,6 @@ Hessian is left alone, with order 0 the gradient too.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from flexscale.arrays import FloatArray
@@ -62,9 +61,7 @@ def add_product(
                 out[row + j] += fa * b[row + j] + fb * a[row + j]
         else:
             for j in range(n):
-                out[row + j] += (
-                    fa * b[row + j] + fb * a[row + j] + ga * b[1 + j] + gb * a[1 + j]
-                )
+                out[row + j] += fa * b[row + j] + fb * a[row + j] + ga * b[1 + j] + gb * a[1 + j]
 
 
 @njit(cache=True)

@@ -76,7 +76,11 @@ def find_prism_rows(
             mine, other = both[side], both[1 - side]
             near = _to_segments(mine, other) < reach
             for i, j in zip(*np.nonzero(near), strict=True):
-                wall = [row(1 - side, j, _BASE), row(1 - side, j + 1, _BASE), row(1 - side, j, _TOP)]
+                wall = [
+                    row(1 - side, j, _BASE),
+                    row(1 - side, j + 1, _BASE),
+                    row(1 - side, j, _TOP),
+                ]
                 walls += [(row(side, i, level), *wall) for level in (_BASE, _TOP)]
                 upright = [row(side, i, _BASE), row(side, i, _TOP)]
                 for level in (_BASE, _TOP):
@@ -190,9 +194,7 @@ class PrismContact(Barrier):
         done = 0.0
         for _ in range(SWEEPS):
             here = start + done * (end - start)
-            share = all_free_share(
-                here, end, self.rows.stencils, self.rows.walls, MOST_SWEEP_STEPS
-            )
+            share = all_free_share(here, end, self.rows.stencils, self.rows.walls, MOST_SWEEP_STEPS)
             if share >= 1.0:
                 return 1.0
             done += (1.0 - done) * share
@@ -233,8 +235,14 @@ class PrismContact(Barrier):
 
 @njit(cache=True)
 def _fill_derivatives(
-    y: FloatArray, stencils: IntArray, walls: int, squared: float, stiffness: float,
-    found: IntArray, gradients: FloatArray, hessians: FloatArray,
+    y: FloatArray,
+    stencils: IntArray,
+    walls: int,
+    squared: float,
+    stiffness: float,
+    found: IntArray,
+    gradients: FloatArray,
+    hessians: FloatArray,
 ) -> None:
     size = 1 + N + N * N
     work, out, x = np.empty((16, size)), np.empty(size), np.empty((4, 3))

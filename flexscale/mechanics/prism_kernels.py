@@ -275,8 +275,12 @@ def total_energy(
 
 @njit(cache=True)
 def closer_than(
-    y: FloatArray, stencils: IntArray, walls: int, squared_reach: float,
-    found: IntArray, shares: FloatArray,
+    y: FloatArray,
+    stencils: IntArray,
+    walls: int,
+    squared_reach: float,
+    found: IntArray,
+    shares: FloatArray,
 ) -> int:
     """Candidates closer than a reach, (n,) and the weights (n, 4) of their arrows; how many."""
     n, own, x = 0, np.empty(4), np.empty((4, 3))

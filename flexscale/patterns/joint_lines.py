@@ -50,9 +50,7 @@ class Joint:
     def turned(self) -> Joint:
         """The same, seen from the second scale."""
         m, n = self.offset
-        return Joint(
-            self.second, self.first, (-m, -n), self.points, -self.normals, self.weights
-        )
+        return Joint(self.second, self.first, (-m, -n), self.points, -self.normals, self.weights)
 
 
 def find_joints(pattern: Pattern, end_share: float = END_SHARE) -> list[Joint]:
@@ -128,10 +126,7 @@ def _runs(keys: list[tuple[int, int, int]]) -> list[list[int]]:
     breaks = [k for k in range(n) if keys[k] != keys[k - 1]]
     if not breaks:
         return [list(range(n))]
-    return [
-        [k % n for k in range(begin, end)]
-        for begin, end in pairwise([*breaks, breaks[0] + n])
-    ]
+    return [[k % n for k in range(begin, end)] for begin, end in pairwise([*breaks, breaks[0] + n])]
 
 
 def _stations(
@@ -146,8 +141,12 @@ def _stations(
     lengths = np.linalg.norm(along, axis=1)
     along /= lengths[:, None]
     starts = np.concatenate([[0.0], np.cumsum(lengths)])
-    low = np.array([max(a[0], length - b[1]) for a, b, length in zip(here, there, lengths)])
-    high = np.array([min(a[1], length - b[0]) for a, b, length in zip(here, there, lengths)])
+    low = np.array(
+        [max(a[0], length - b[1]) for a, b, length in zip(here, there, lengths, strict=True)]
+    )
+    high = np.array(
+        [min(a[1], length - b[0]) for a, b, length in zip(here, there, lengths, strict=True)]
+    )
     both = high > low
     if not both.any():
         return None

@@ -21,7 +21,6 @@ import numpy as np
 from flexscale.arrays import FloatArray
 from flexscale.solve.linear import Factorization
 
-
 _NOTHING = 1e-9  # of the mean diagonal
 
 

@@ -2,8 +2,8 @@
 
 The upper triangle of the matrix comes as CSR values on a fixed pattern: the pattern is analyzed
 once, then factorized as often as its values change. Two backends: PARDISO (x86-64) and scipy's
-SuperLU, which works everywhere; small matrices are full ones. `FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the
-choice.
+SuperLU, which works everywhere. `FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the
+choice. Small matrices are taken as full ones.
 """
 
 from __future__ import annotations

@@ -35,7 +35,9 @@ class Experiment(Block):
     """An experiment: patterns, options and figures; `ExperimentFile` adds the blocks of steps."""
 
     patterns: dict[str, PatternBlock] = declared(..., "name and description of each pattern")
-    native: NativeName = declared("shell", "native model: shell")
+    native: NativeName = declared(
+        NATIVE_MODELS[0], "native model: joints, of what is printed, or shell, the paper's"
+    )
     mesh: Mesh = declared(MeshOptions(), "mesh sizes")
     contact: Contact = declared(ContactOptions(), "how scales touch")
     substrate: Substrate = declared(SubstrateOptions(), "elements of the substrate")
@@ -74,7 +76,7 @@ class Experiment(Block):
         for figure in self.figures:
             self._require(FIGURES[figure].needs[0], f"the figure {figure!r}")
         for step, block in self.asked():
-            for needed in block.inputs:
+            for needed in self.inputs(block):
                 if not STEPS[needed].implied:
                     self._require(needed, f"`{step.name}`")
             block.refuse_in(self)
@@ -104,6 +106,11 @@ class Experiment(Block):
         """What the file says of a step; None where it says nothing."""
         return getattr(self, step)
 
+    def inputs(self, block: StepBlock) -> tuple[str, ...]:
+        """Steps whose datasets a block's step takes; `cell` is what the native model is made of."""
+        of_model = self.model.input
+        return tuple(of_model if name == "cell" else name for name in block.inputs)
+
     def asked(self) -> Iterator[tuple[Step, StepBlock]]:
         """Steps that have a block, with it, in the order of the catalog."""
         for name, step in STEPS.items():
@@ -114,7 +121,7 @@ class Experiment(Block):
     def wanted(self) -> Iterator[tuple[Step, StepBlock]]:
         """As `asked`, with the steps that others imply, and the cell of every pattern."""
         asked = {step.name: block for step, block in self.asked()}
-        needed = {"cell"}.union(*(block.inputs for block in asked.values()))
+        needed = {self.model.input}.union(*(self.inputs(block) for block in asked.values()))
         for name, step in STEPS.items():
             if name in asked:
                 yield step, asked[name]

@@ -101,7 +101,7 @@ def _jobs_of(pattern: Pattern, experiment: Experiment) -> list[Job]:
     made: dict[str, Job] = {}
     for step, block in experiment.wanted():
         recipe = step.recipe(step.parameters(pattern, experiment.model, block))
-        sources = [made[needed] for needed in block.inputs]
+        sources = [made[needed] for needed in experiment.inputs(block)]
         made[step.name] = _job(
             step.name, step.name, pattern, recipe, sources, block.n_samples(pattern)
         )

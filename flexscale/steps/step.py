@@ -157,7 +157,7 @@ class Step:
 
     def parameters(self, pattern: Pattern, native: NativeModel, block: StepBlock) -> dict[str, Any]:
         """What the recipe holds: mm, MPa, degree."""
-        options = native.to_config(*self.native) if self.native else {}
+        options = native.to_config(self.native) if self.native else {}
         own = {"pattern": pattern.to_config(), **options}
         return own | block.to_config()
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexscale.errors import ConfigError
 from flexscale.steps.blocks import BendingDirections, DoubleBending
+from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import FLAT, Figure, Resources, Step, StepBlock, Task
 
@@ -50,7 +51,7 @@ def compute(
 
     block = task.block
     model = gap_model(
-        task.pattern, inputs.get("sweep"), model=task.native, w_biaxial=block.w_biaxial
+        task.pattern, inputs.get("sweep"), model=native_of(task, inputs), w_biaxial=block.w_biaxial
     )
     return model.to_dataset(block.directions, config=task.config)
 

@@ -46,8 +46,7 @@ def compute(
     from flexscale.joints.library import solved_joint
 
     joint = solved_joint(task.block.key(task.pattern))
-    scalars = pattern_scalars(task.pattern, task.native.mesh)
-    del scalars["mesh_size"]  # of a cell
+    scalars = pattern_scalars(task.pattern, task.native)
     return build_joint_dataset(_arrays(joint), scalars=scalars, config=task.config)
 
 

@@ -12,6 +12,7 @@ from flexscale.homogenize.native_model import NativeModel
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.blocks import BendingDirections, Curvatures, Sides, increasing
 from flexscale.steps.folds import refuse_folds
+from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import BENT, Figure, Resources, Step, StepBlock, Task
 
@@ -70,7 +71,7 @@ def compute(
         task.block.directions,
         task.block.curvatures,
         sides=task.block.sides,
-        model=task.native,
+        model=native_of(task, inputs),
         symmetry=task.block.symmetry,
         workers=resources.workers,
         checkpoint=resources.checkpoint,

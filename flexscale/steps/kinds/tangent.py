@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from pydantic import field_validator
 
 from flexscale.steps.blocks import Directions, increasing
+from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import FLAT, Figure, Resources, Step, StepBlock, Task
 
@@ -42,7 +43,7 @@ def compute(
     from flexscale.homogenize.labels import pattern_scalars
     from flexscale.homogenize.tangent import solve_tangent
 
-    pattern, native = task.pattern, task.native.without_contact
+    pattern, native = task.pattern, native_of(task, inputs).without_contact
     problem = build_problem(pattern, native)
     tangent = solve_tangent(problem)
     dataset = build_tangent_dataset(

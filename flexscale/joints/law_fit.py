@@ -100,9 +100,7 @@ def evaluate_terms(
     return values @ coefficients, slopes @ coefficients
 
 
-def fit_errors(
-    exponents: IntArray, coefficients: FloatArray, samples: Samples
-) -> FloatArray:
+def fit_errors(exponents: IntArray, coefficients: FloatArray, samples: Samples) -> FloatArray:
     """(5,) root mean square errors of energy and forces, each over its root mean square."""
     energies, forces = evaluate_terms(exponents, coefficients, samples.poses)
     sizes = np.concatenate([[_rms(samples.energies)], _rms(samples.forces)])

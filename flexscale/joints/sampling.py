@@ -7,8 +7,8 @@ section's points along the joint alone, so that
     F = [f 0; grad s 1],   det F = det f,   |F|^2 = |f|^2 + |grad s|^2 + 1:
 
 the Neo-Hookean energy is that of the plane problem plus mu/2 |grad s|^2, and W is exactly the
-plane W(u, w, phi) plus half of a constant stiffness times s^2. (n -> -n takes w to -w and s to -s, m
--> -m takes s to -s: W is even in w and in s, each alone.)
+plane W(u, w, phi) plus half of a constant stiffness times s^2. (n -> -n takes w to -w and s to -s,
+m -> -m takes s to -s: W is even in w and in s, each alone.)
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class PoseRange:
     @property
     def bounds(self) -> FloatArray:
         """(4, 2) of (u, w, s, phi)."""
-        shift = max(self.gap, 1.0)
+        shift = max(self.gap, 1.0) ** 0.5
         touching = self.slope * LARGEST_TURN - self.gap
         largest = max(self.before, touching + 0.4 * self.gap)
         return np.array(

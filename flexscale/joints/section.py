@@ -14,7 +14,6 @@ the held nodes: with V the rates of all nodes, K V = 0 on the free ones,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,7 +21,7 @@ import scipy.sparse as sp
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.joints.pose import place, place_bends, place_rates
 from flexscale.joints.section_mesh import SectionMesh
-from flexscale.mechanics.energy import NOTHING, block_pairs
+from flexscale.mechanics.energy import block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanElements
 from flexscale.patterns.material import NeoHookean
 from flexscale.solve.linear import build_factorization
@@ -50,19 +49,27 @@ class State:
 
 
 class Section:
-    """Energy of a meshed section under a pose: an `Objective` of Newton's method.
+    """Energy of a meshed section, whose held nodes are at a pose.
 
     Parameters
     ----------
     mesh : the section.
     poisson_ratio : of the sheet.
     scales : material of elastic scales, its modulus in those of the sheet; None if rigid.
+    slides : whether nodes move along the joint too, or stay in the plane of the section.
+
+    Attributes
+    ----------
+    active : unknowns, among the 3 n_nodes components of all places.
+    system : linear systems over them.
     """
 
-    energy_floor = 1e-16
-
     def __init__(
-        self, mesh: SectionMesh, poisson_ratio: float, scales: NeoHookean | None = None, slides: bool = False
+        self,
+        mesh: SectionMesh,
+        poisson_ratio: float,
+        scales: NeoHookean | None = None,
+        slides: bool = False,
     ) -> None:
         self.mesh = mesh
         sheet = NeoHookean(1.0, poisson_ratio)
@@ -71,17 +78,13 @@ class Section:
         n = len(mesh.points)
         held = np.zeros(n, dtype=bool)
         held[mesh.held_a] = held[mesh.held_b] = True
-        self.held = np.concatenate([mesh.held_a, mesh.held_b])
         free = np.repeat(~held[:, None], 3, axis=1)
         free[:, 1] &= slides
         self.active = np.flatnonzero(free)
-        self.shift_mode: FloatArray = np.zeros(len(self.active))
         self._build_pattern(3 * n)
         self.system = UnconstrainedSystem(
             build_factorization(self._free.indptr, self._free.indices), self._free.indptr[:-1]
         )
-        self.system.constraint = np.zeros(len(self.active))
-        self.pose: FloatArray = np.zeros(4)
 
     def _build_pattern(self, n: int) -> None:
         first, second = block_pairs(_K)
@@ -116,20 +119,17 @@ class Section:
         full = gradient[:-1].ravel()
         return State(y, energy, full, full[self.active])
 
-    def hessian_values(self, state: State, project: str = NOTHING) -> FloatArray:
+    def hessian_values(self, state: State) -> FloatArray:
         """Upper-triangle values over the free unknowns."""
         return self._free.values(self._blocks(state))
 
     def _blocks(self, state: State) -> FloatArray:
         return np.concatenate([part.hessian_blocks(state.y) for part in self.energies])
 
-    def free_share(self, evaluation: Any, trial: Any) -> float:
-        """1: nothing stands in the way."""
-        return 1.0
-
-    def keep_apart(self, evaluation: Any, wanted: FloatArray) -> None:
-        """None: nothing is kept apart."""
-        return
+    def multiply(self, values: FloatArray, vector: FloatArray) -> FloatArray:
+        """Product of the Hessian, given by its upper triangle, with a vector over the unknowns."""
+        upper = self._free.matrix_of(values)
+        return upper @ vector + sp.triu(upper, 1).T @ vector
 
     def response(self, state: State, pose: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Forces dW/dq (4,), tangent d2W/dq2 (4, 4), and rates (3 n_nodes, 4) of all nodes.
@@ -197,10 +197,14 @@ class _Slots:
 
     def matrix(self, blocks: FloatArray) -> sp.csr_array:
         """The matrix of element blocks."""
-        return sp.csr_array((self.values(blocks), self.indices, self.indptr), shape=(self.n, self.n))
+        return self.matrix_of(self.values(blocks))
+
+    def matrix_of(self, values: FloatArray) -> sp.csr_array:
+        """The matrix with these values on the pattern."""
+        return sp.csr_array((values, self.indices, self.indptr), shape=(self.n, self.n))
 
 
-def _energy(mesh: SectionMesh, chosen: Any, material: NeoHookean) -> NeoHookeanElements:
+def _energy(mesh: SectionMesh, chosen: BoolArray, material: NeoHookean) -> NeoHookeanElements:
     """Elements of one material; their tenth vector gives F its column along the joint, e_m."""
     elements = mesh.elements[chosen]
     vectors = np.column_stack([elements, np.full(len(elements), len(mesh.points))])
@@ -218,8 +222,12 @@ def _shape_gradients(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     # Node 3 j + i is the i-th across and the j-th up; point 3 k + l so too.
     stretch_n, stretch_z = corners[:, :3, 0] @ slope.T, corners[:, ::3, 1] @ slope.T
     gradients = np.zeros((len(corners), 9, _K, 3))
-    gradients[:, :, :9, 0] = np.einsum("lj,ki,ek->elkji", shape, slope, 1.0 / stretch_n).reshape(-1, 9, 9)
-    gradients[:, :, :9, 2] = np.einsum("lj,ki,el->elkji", slope, shape, 1.0 / stretch_z).reshape(-1, 9, 9)
+    gradients[:, :, :9, 0] = np.einsum("lj,ki,ek->elkji", shape, slope, 1.0 / stretch_n).reshape(
+        -1, 9, 9
+    )
+    gradients[:, :, :9, 2] = np.einsum("lj,ki,el->elkji", slope, shape, 1.0 / stretch_z).reshape(
+        -1, 9, 9
+    )
     gradients[:, :, 9, 1] = 1.0
     weights = np.einsum("el,l,ek,k->elk", stretch_z, gauss, stretch_n, gauss)
     return gradients, weights.reshape(-1, 9)

@@ -89,7 +89,7 @@ def build_section_mesh(shape: SectionShape, grading: Grading) -> SectionMesh:
 
 
 def _product_mesh(shape: SectionShape, across: FloatArray, up: FloatArray) -> SectionMesh:
-    n_across, n_up = len(across) - 1, len(up) - 1
+    n_up = len(up) - 1
     middle_n, middle_z = np.meshgrid(
         0.5 * (across[1:] + across[:-1]), 0.5 * (up[1:] + up[:-1]), indexing="ij"
     )
@@ -142,7 +142,7 @@ def _graded(places: list[float], fine: list[bool], grading: Grading) -> FloatArr
             continue
         shares = _shares(length, grading)
         steps = length * shares if fine_start else length * (1.0 - shares[::-1])
-        lines += list(start + steps[1:-1]) + [stop]
+        lines += [*(start + steps[1:-1]), stop]
     return np.array(lines)
 
 

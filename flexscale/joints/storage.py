@@ -90,8 +90,6 @@ def _read(path: Path, key: JointKey) -> SolvedJoint | None:
     with np.load(path, allow_pickle=False) as file:
         if str(file["key"]) != json.dumps(asdict(key)):
             return None
-        arrays = {
-            name: file[name].astype(_LOADED.get(kind, kind)) for name, kind in _TYPES.items()
-        }
+        arrays = {name: file[name].astype(_LOADED.get(kind, kind)) for name, kind in _TYPES.items()}
     n_missing = int(arrays.pop("n_missing"))
     return SolvedJoint(key=key, n_missing=n_missing, **arrays)

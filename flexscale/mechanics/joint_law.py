@@ -50,7 +50,7 @@ def law_at(
     gradient_out : (4,) filled with dW/dq, N/mm and N.
     hessian_out : (4, 4) filled with d2W/dq2.
     """
-    powers = np.empty((4, 3, MOST_POWER + 1))
+    powers = np.empty((4, MOST_POWER + 1, 3))
     outside = False
     for i in range(4):
         scale = thickness if i < 3 else 1.0
@@ -79,19 +79,19 @@ def law_at(
 
 @njit(cache=True)
 def _fill_powers(out: FloatArray, x: float, r: float, slope: float, bend: float) -> None:
-    """Powers (3, MOST_POWER + 1) of x expanded to second order in r, and two derivatives; r = 0 and
+    """Powers (MOST_POWER + 1, 3) of x expanded to second order in r, and two derivatives; r = 0 and
     slope = 1 within the bounds."""
     power = 1.0  # x^(e - 2)
-    for e in range(out.shape[1]):
+    for e in range(out.shape[0]):
         if e == 0:
-            out[0, 0], out[1, 0], out[2, 0] = 1.0, 0.0, 0.0
+            out[0, 0], out[0, 1], out[0, 2] = 1.0, 0.0, 0.0
         elif e == 1:
-            out[0, 1], out[1, 1], out[2, 1] = x + r, slope, bend
+            out[1, 0], out[1, 1], out[1, 2] = x + r, slope, bend
         else:
             first, second = e * power * x, e * (e - 1) * power
-            out[0, e] = power * x * x + first * r + 0.5 * second * r * r
-            out[1, e] = (first + second * r) * slope
-            out[2, e] = (first + second * r) * bend + second * slope * slope
+            out[e, 0] = power * x * x + first * r + 0.5 * second * r * r
+            out[e, 1] = (first + second * r) * slope
+            out[e, 2] = (first + second * r) * bend + second * slope * slope
             power *= x
 
 
@@ -108,8 +108,8 @@ def _sum_terms(exponents, coefficients, powers, gradient, hessian):
         f = fu = fp = fuu = fup = fpp = 0.0
         while k < n and exponents[k, 1] == ew and exponents[k, 2] == es:
             eu, ep, c = exponents[k, 0], exponents[k, 3], coefficients[k]
-            u0, u1, u2 = c * powers[0, 0, eu], c * powers[0, 1, eu], c * powers[0, 2, eu]
-            p0, p1, p2 = powers[3, 0, ep], powers[3, 1, ep], powers[3, 2, ep]
+            u0, u1, u2 = c * powers[0, eu, 0], c * powers[0, eu, 1], c * powers[0, eu, 2]
+            p0, p1, p2 = powers[3, ep, 0], powers[3, ep, 1], powers[3, ep, 2]
             f += u0 * p0
             fu += u1 * p0
             fp += u0 * p1
@@ -117,8 +117,8 @@ def _sum_terms(exponents, coefficients, powers, gradient, hessian):
             fup += u1 * p1
             fpp += u0 * p2
             k += 1
-        w0, w1, w2 = powers[1, 0, ew], powers[1, 1, ew], powers[1, 2, ew]
-        s0, s1, s2 = powers[2, 0, es], powers[2, 1, es], powers[2, 2, es]
+        w0, w1, w2 = powers[1, ew, 0], powers[1, ew, 1], powers[1, ew, 2]
+        s0, s1, s2 = powers[2, es, 0], powers[2, es, 1], powers[2, es, 2]
         ws = w0 * s0
         energy += f * ws
         gradient[0] += fu * ws
@@ -151,7 +151,7 @@ def _add_walls(exponents, coefficients, thickness, bounds, q, gradient, hessian)
             continue
         stiffness = 0.0
         for k in range(len(coefficients)):
-            if exponents[k].sum() == 2 and exponents[k, i] == 2:
+            if exponents[k, i] == 2 and exponents[k].sum() == 2:
                 stiffness += 2.0 * _WALL * coefficients[k]
         distance, reach = x - (low if x < low else high), _REACH * (high - low)
         y = abs(distance) / reach
@@ -191,8 +191,7 @@ class JointLaw:
     thickness : mm, of the sheet, t.
     modulus : MPa, Young's modulus of the sheet, E.
     bounds : (4, 2) lowest and highest u, w, s [mm] and phi [radian] that were sampled.
-    band : slope [mm], below and above [mm]: sampled are u from slope * phi - below to
-        max(bounds of u's part before contact, slope * phi + above); see `inside`.
+    band : slope, below, above and before [mm], which bound u by phi; see `inside`.
     errors : of the fit, each relative to the root mean square over the states held out: of the
         energy, and of the forces of u, w, s and phi.
     """

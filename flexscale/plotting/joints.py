@@ -20,8 +20,10 @@ from flexscale.plotting.style import (
     new_figure,
 )
 
-_NEEDED = ("exponents", "coefficients", "lowest", "highest", "state_poses", "state_forces",
-           "held_out", "touching_slope", "substrate_thickness", "substrate_young_modulus")  # fmt: skip
+_NEEDED = (
+    *("exponents", "coefficients", "lowest", "highest", "state_poses", "state_forces", "held_out"),
+    *("touching_slope", "substrate_thickness", "substrate_young_modulus"),
+)
 #: What is drawn against what: place of the force in the pose, and the words of both axes.
 _PANELS = (
     (0, "opening u [mm]", "force of u [N mm⁻¹]"),
@@ -46,9 +48,7 @@ def joint(joint: xr.Dataset) -> Figure:
     with flexscale_style():
         figure = new_figure(PAGE_WIDTH, 0.6 * PAGE_WIDTH)
         figure.suptitle(f"{subject(joint)}: joint".lstrip(": "))
-        for axes, (place, across, up) in zip(
-            np.ravel(figure.subplots(2, 2)), _PANELS, strict=True
-        ):
+        for axes, (place, across, up) in zip(np.ravel(figure.subplots(2, 2)), _PANELS, strict=True):
             scale = np.rad2deg(1.0) if place == 3 else thickness
             unit = modulus * thickness * (thickness if place == 3 else 1.0)
             line = _line(joint, place)

@@ -40,10 +40,10 @@ def test_gradient_and_hessian_agree_with_differences(reach: float) -> None:
         along = rng.normal(size=4) * np.array([0.4, 0.4, 0.4, 0.35])
         _, gradient, hessian = (found[0] for found in law().evaluate(q[None]))
         energy = directional_difference(
-            lambda step: law().evaluate((q + step * along)[None])[0][0], 1e-4
+            lambda step, q=q, along=along: law().evaluate(q + step * along)[0][0], 1e-4
         )
         forces = directional_difference(
-            lambda step: law().evaluate((q + step * along)[None])[1][0], 1e-4
+            lambda step, q=q, along=along: law().evaluate(q + step * along)[1][0], 1e-4
         )
         # Across a bound the third derivative jumps: differences over 2e-4 of the range see 1e-6.
         assert relative_error(gradient @ along, energy) < 1e-6
@@ -76,9 +76,7 @@ def test_energy_is_modulus_times_thickness_squared_of_the_terms() -> None:
     x = np.array([u / 0.4, w / 0.4, s / 0.4, phi])
     terms = np.prod(x ** law().exponents, axis=1)
     expected = 26.0 * 0.4**2 * terms @ law().coefficients
-    np.testing.assert_allclose(
-        law().evaluate(np.array([[u, w, s, phi]]))[0], expected, rtol=1e-13
-    )
+    np.testing.assert_allclose(law().evaluate(np.array([[u, w, s, phi]]))[0], expected, rtol=1e-13)
 
 
 def test_stiffness_at_rest_is_of_the_quadratic_terms() -> None:

@@ -32,9 +32,7 @@ class JointBlock(StepBlock):
         from flexscale.joints.key import JointGroove
         from flexscale.joints.library import pattern_key
 
-        return pattern_key(
-            pattern, rigid=self.rigid, groove=JointGroove() if self.groove else None
-        )
+        return pattern_key(pattern, rigid=self.rigid, groove=JointGroove() if self.groove else None)
 
 
 def compute(

@@ -38,7 +38,7 @@ def measure(
     """One row: the curve on one mesh."""
     start = time.perf_counter()
     problem = CellProblem.from_pattern(
-        fs.Pattern(fs.Tiling("IH76")), fs.NativeModel(contact=contact, mesh=mesh)
+        fs.Pattern(fs.Tiling("IH76")), fs.NativeModel("shell", contact=contact, mesh=mesh)
     )
     line = Line("closing", direction, CURVATURES)
     samples = list(follow_line(problem, line, SolverOptions()))

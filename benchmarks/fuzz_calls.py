@@ -116,7 +116,7 @@ def _options() -> list[Call]:
             "scales": fs.ScaleOptions(),
         }),
         Call("NativeModel.from_config", fs.NativeModel.from_config,
-             {"config": fs.NativeModel(mesh=COARSE).to_config()}),
+             {"config": fs.NativeModel("shell", mesh=COARSE).to_config()}),
         Call("RigOptions", fs.RigOptions, {"element": "c1", "size": 5.0, "steps": 2}),
         Call("SheetOptions", fs.SheetOptions,
              {"element": "c1", "size": 5.0, "strip": 0.0, "turning": False}),
@@ -125,7 +125,7 @@ def _options() -> list[Call]:
 
 def _native() -> list[Call]:
     pattern = fs.named_pattern("square")
-    options: dict[str, Any] = {"model": fs.NativeModel(mesh=COARSE)}
+    options: dict[str, Any] = {"model": fs.NativeModel("shell", mesh=COARSE)}
     bends: dict[str, Any] = {
         "pattern": pattern, "curvatures": [0.0, 0.01], "sides": ("closing", "opening"),
     }  # fmt: skip
@@ -147,8 +147,10 @@ def _native() -> list[Call]:
 
 def _models(datasets: dict[str, Any]) -> list[Call]:
     model = fs.MacroModel.from_dataset(datasets["fit"])
-    tangent = fs.tangent_stiffness(fs.named_pattern("square"), model=fs.NativeModel(mesh=COARSE))
-    gaps = fs.gap_model(fs.named_pattern("square"), model=fs.NativeModel(mesh=COARSE))
+    tangent = fs.tangent_stiffness(
+        fs.named_pattern("square"), model=fs.NativeModel("shell", mesh=COARSE)
+    )
+    gaps = fs.gap_model(fs.named_pattern("square"), model=fs.NativeModel("shell", mesh=COARSE))
     sheet = fs.simulate_sheet(model, length=40.0, width=20.0, curvature=0.01,
                               options=fs.SheetOptions(size=10.0))  # fmt: skip
     bend: dict[str, Any] = {"curvature": 0.01, "direction": [0.0, 30.0], "side": "closing"}

@@ -35,6 +35,7 @@ FULL: dict[str, Any] = {
                 "substrate_material": {"young_modulus": 12, "poisson_ratio": 0.45}},
         "curved": {"family": "IH64", "parameters": [-0.2], "edges": {"b": [[0, 0], [0.5, 0.1]]}},
     },
+    "native": "shell",
     "mesh": dict(COARSE),
     "contact": {"activation": 0.005, "edge": "0.4 mm"},
     "solver": {"tolerance": 1e-9, "max_iterations": 60},
@@ -60,6 +61,7 @@ FULL: dict[str, Any] = {
 #: What is computed in seconds.
 SMALL: dict[str, Any] = {
     "patterns": {"squares": {"family": "IH76", "gap": 0.4, "scale_height": 4.0}},
+    "native": "shell",
     "mesh": dict(COARSE),
     "contact": {"activation": 0.005},
     "solver": {"tolerance": 1e-9, "max_iterations": 60, "time_limit": 20},

@@ -138,16 +138,16 @@ def wider_strips(name: str, direction: float) -> list[str]:
     """Energy of strips over that of the cell that is held straight across, as they grow wider."""
     pattern = fs.named_pattern(name)
     line = Line("closing", direction, (0.0, SMALL))
-    cell = CellProblem.from_pattern(pattern, fs.NativeModel(mesh=COARSE))
+    cell = CellProblem.from_pattern(pattern, fs.NativeModel("shell", mesh=COARSE))
     *_, straight = follow_line(cell, line, SolverOptions())
-    tangent = fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=COARSE))
+    tangent = fs.tangent_stiffness(pattern, model=fs.NativeModel("shell", mesh=COARSE))
     c, s = np.cos(np.radians(direction)), np.sin(np.radians(direction))
     along = np.array([c * c, s * s, 2.0 * c * s])
     free = 1.0 / float(along @ np.linalg.solve(tangent.matrix, along))
     rows = []
     for count in WIDTHS:
         width = count * float(np.linalg.norm(pattern.lattice[1]))
-        strip = FreeStrip(pattern, width, direction, native=fs.NativeModel(mesh=COARSE))
+        strip = FreeStrip(pattern, width, direction, native=fs.NativeModel("shell", mesh=COARSE))
         *_, sample = follow_line(strip, Line("closing", 0.0, (0.0, SMALL)), SolverOptions())
         ratio = sample["energy_density"] / straight["energy_density"]
         curl = strip.curl(sample["state"]) / SMALL
@@ -168,11 +168,11 @@ def sides_in_contact(registry: Registry) -> list[str]:
     turned = registry.one(kind="turned_sheet", pattern="hexagon").sel(side="closing")
     kappa, width = float(turned["curvature"]), float(turned["width"])
     curvatures = (*(k for k in CURVATURES if k < kappa), 0.015, kappa)
-    cell = CellProblem.from_pattern(pattern, fs.NativeModel(mesh=COARSE))
+    cell = CellProblem.from_pattern(pattern, fs.NativeModel("shell", mesh=COARSE))
     rows = []
     for direction in (0.0, 30.0):
         *_, straight = follow_line(cell, Line("closing", direction, curvatures), SolverOptions())
-        strip = FreeStrip(pattern, width, direction, native=fs.NativeModel(mesh=COARSE))
+        strip = FreeStrip(pattern, width, direction, native=fs.NativeModel("shell", mesh=COARSE))
         *_, sample = follow_line(strip, Line("closing", 0.0, curvatures), SolverOptions())
         sheets = turned.sel(direction=direction)
         shares = [
@@ -207,12 +207,14 @@ def contact_in_a_saddle(registry: Registry, folder: Path | None) -> list[str]:
     """A narrow strip of arrowheads by three models, closing and opening."""
     pattern = fs.named_pattern("arrowhead")
     gaps = fs.gap_model(
-        pattern, registry.one(kind="sweep", pattern="arrowhead"), model=fs.NativeModel(mesh=COARSE)
+        pattern,
+        registry.one(kind="sweep", pattern="arrowhead"),
+        model=fs.NativeModel("shell", mesh=COARSE),
     )
     fit = fs.MacroModel.from_dataset(registry.one(kind="fit", pattern="arrowhead"))
     rows, curves = [], []
     for side, sign in (("closing", 1.0), ("opening", -1.0)):
-        strip = FreeStrip(pattern, NARROW, native=fs.NativeModel(mesh=COARSE))
+        strip = FreeStrip(pattern, NARROW, native=fs.NativeModel("shell", mesh=COARSE))
         for sample in follow_line(strip, Line(side, 0.0, CURVATURES), SolverOptions()):
             kappa = sample["curvature"]
             if kappa == 0.0 or "state" not in sample:

@@ -39,6 +39,7 @@ import flexscale as fs
 
 EXPERIMENT = """
 patterns: {square: {family: IH76}}
+native: shell
 mesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}
 tangent: {}
 sweep: {sides: [closing, opening], directions: [0, 45], curvatures: [0, 0.001, 0.002, 0.003]}

@@ -90,9 +90,15 @@ def sides_and_strips(native: xr.Dataset, cell: float) -> list[str]:
     rows = []
     for x, y in ((1.0, 1.0), (0.5, 1.0), (1.0, 0.5)):
         length, width = x * float(native["length"]), y * float(native["width"])
-        sheet = NativeSheet(pattern, length, width, direction, native=fs.NativeModel(mesh=mesh))
+        sheet = NativeSheet(
+            pattern, length, width, direction, native=fs.NativeModel("shell", mesh=mesh)
+        )
         strip = FreeStrip(
-            pattern, width, direction, center=sheet.tiles.center, native=fs.NativeModel(mesh=mesh)
+            pattern,
+            width,
+            direction,
+            center=sheet.tiles.center,
+            native=fs.NativeModel("shell", mesh=mesh),
         )
         held, free = (
             [*follow_line(problem, line, SolverOptions())][-1]["energy_density"]
@@ -152,7 +158,7 @@ def against_native(registry: Registry, entry) -> list[str]:
             [0.0, *map(float, kappa)],
             sides=[SIDE],
             workers=1,
-            model=fs.NativeModel(mesh=mesh),
+            model=fs.NativeModel("shell", mesh=mesh),
         )["energy_density"].values.ravel()[1:]
         for mesh in (_mesh_of(native), fs.MeshOptions())
     ]

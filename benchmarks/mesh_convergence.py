@@ -87,7 +87,7 @@ def run(name: str, pattern: fs.Pattern, options: Options) -> dict:
     """Energies and moments of all lines on one mesh."""
     start = time.perf_counter()
     mesh, contact = options
-    problem = CellProblem.from_pattern(pattern, fs.NativeModel(contact=contact, mesh=mesh))
+    problem = CellProblem.from_pattern(pattern, fs.NativeModel("shell", contact=contact, mesh=mesh))
     found: dict = {"unknowns": len(problem.active)}
     for line in lines_of(pattern):
         for sample in follow_line(problem, line, SolverOptions()):

@@ -48,7 +48,7 @@ def mesh_convergence() -> list[str]:
     for factor in (0.5, 1.0):
         start = time.perf_counter()
         stage = NativeStage(
-            pattern, tiles, native=fs.NativeModel(mesh=fs.MeshOptions().finer(factor))
+            pattern, tiles, native=fs.NativeModel("shell", mesh=fs.MeshOptions().finer(factor))
         )
         forces, pairs = [], []
         for side, shortenings in SQUARES.items():
@@ -85,7 +85,7 @@ def cell_ratios(pattern: fs.Pattern, mesh: fs.MeshOptions, direction: float) -> 
     along = np.array([cosine**2, sine**2, 2.0 * cosine * sine])
     flat, free = [], []
     for options in (mesh, None):
-        tangent = fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=options))
+        tangent = fs.tangent_stiffness(pattern, model=fs.NativeModel("shell", mesh=options))
         flat.append(float(tangent.stiffness(direction)))
         free.append(1.0 / float(along @ np.linalg.solve(tangent.matrix, along)))
     return flat[0] / flat[1], free[0] / free[1]
@@ -102,7 +102,9 @@ def costs_of(
     mesh = fs.MeshOptions(**settings["mesh"])
     start = time.perf_counter()
     stage = NativeStage(
-        pattern, clip_pattern(pattern, *sizes, glued=False), native=fs.NativeModel(mesh=mesh)
+        pattern,
+        clip_pattern(pattern, *sizes, glued=False),
+        native=fs.NativeModel("shell", mesh=mesh),
     )
     built = time.perf_counter() - start
     ratios = cell_ratios(pattern, mesh, sizes[2])

@@ -59,7 +59,7 @@ def measure(name: str, direction: float, mesh: fs.MeshOptions, scales: fs.ScaleO
     start = time.perf_counter()
     contact = fs.ContactOptions(enabled=False)
     problem = CellProblem.from_pattern(
-        fs.named_pattern(name), fs.NativeModel(contact=contact, scales=scales, mesh=mesh)
+        fs.named_pattern(name), fs.NativeModel("shell", contact=contact, scales=scales, mesh=mesh)
     )
     setup = time.perf_counter() - start
     cell = problem.bent(Bend(1e-4, 0.3))

@@ -167,6 +167,7 @@ def triangles_report() -> list[str]:
     problem = CellProblem.from_pattern(
         pattern,
         fs.NativeModel(
+            "shell",
             contact=fs.ContactOptions(enabled=False),
             substrate=fs.SubstrateOptions("edge_angle"),
             mesh=options(4, 0.05, 0.05),

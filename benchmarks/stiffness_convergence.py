@@ -81,7 +81,9 @@ def measure(mesh: fs.MeshOptions, material: fs.NeoHookean, bond_radius: float) -
     values, unknowns, assembly, factorization = [], [], [], []
     for family in ("IH76", "IH20"):
         pattern = fs.Pattern(fs.Tiling(family), scale_material=material, bond_radius=bond_radius)
-        problem = CellProblem.from_pattern(pattern, fs.NativeModel(contact=NO_CONTACT, mesh=mesh))
+        problem = CellProblem.from_pattern(
+            pattern, fs.NativeModel("shell", contact=NO_CONTACT, mesh=mesh)
+        )
         tangent = solve_tangent(problem)
         values += [float(tangent.stiffness(d)) / plate for f, d in CASES if f == family]
         unknowns.append(len(problem.active))

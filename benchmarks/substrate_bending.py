@@ -45,7 +45,7 @@ def table(family: str) -> list[str]:
             CURVATURES,
             symmetry=False,
             workers=1,
-            model=fs.NativeModel(mesh=mesh, substrate=substrate),
+            model=fs.NativeModel("shell", mesh=mesh, substrate=substrate),
         )
         seconds = time.perf_counter() - start
         moments = data.moment.sel(direction=0.0, curvature=list(SHOWN)).values

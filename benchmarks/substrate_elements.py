@@ -77,7 +77,7 @@ def measure(family: str, element: str, mesh: fs.MeshOptions, crossed: bool = Fal
     torus = build_mesh(pattern, mesh)
     torus = cross_gaps(torus) if crossed else torus
     model = CellModel.of_pattern(
-        pattern, fs.NativeModel(substrate=fs.SubstrateOptions(element), contact=NO_CONTACT)
+        pattern, fs.NativeModel("shell", substrate=fs.SubstrateOptions(element), contact=NO_CONTACT)
     )
     problem = CellProblem(torus, model)
     tangent = solve_tangent(problem)

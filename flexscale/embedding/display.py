@@ -9,6 +9,7 @@ from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import BODY_POINT, POSITION, Bend, ImageVectors, place_images
+from flexscale.mechanics.contact import ScaleContact
 from flexscale.mesh.periodic_mesh import FREE
 
 
@@ -17,12 +18,16 @@ class Display:
 
     Attributes
     ----------
+    mesh : of scales and substrate.
     triangles : (n_triangles, 3) points with the substrate triangles' corners.
+    rest : (n_points, 3) mm.
     """
 
-    def __init__(self, embedding: CellEmbedding | BodyCell) -> None:
-        self.embedding = embedding
-        mesh = embedding.mesh
+    def __init__(
+        self, embedding: CellEmbedding | BodyCell, contact: ScaleContact | None = None
+    ) -> None:
+        self.embedding, self.contact = embedding, contact
+        mesh = self.mesh = embedding.mesh
         inner = embedding.inner if isinstance(embedding, BodyCell) else embedding
         keys = np.concatenate([mesh.triangles[..., None], mesh.triangle_offsets], axis=2).reshape(
             -1, 3
@@ -38,6 +43,7 @@ class Display:
         )
         self._vertex_bond, self._vertex_node = inner.vertex_bond, inner.vertex_node
         self._inner = inner
+        self.rest = self.place(embedding.rest, Bend(0.0, 0.0))
 
     def place(self, z: FloatArray, bend: Bend) -> FloatArray:
         """(n_points, 3) in the world at a state z under a bend, mm."""
@@ -55,6 +61,15 @@ class Display:
         own = 3 * np.arange(len(carried))
         out[~free] = _images(home, bend, BODY_POINT, own, self._shifts[~free])
         return np.concatenate([scales, out])
+
+    def contact_force(self, z: FloatArray, bend: Bend) -> FloatArray:
+        """(n_points,) length of the force by which other scales press on a point, N."""
+        force = np.zeros(len(self.rest))
+        if self.contact is not None:
+            y = self.embedding.world_map.place(z, bend).y
+            n = self.mesh.n_scale_vertices  # they come first among the points
+            force[:n] = self.contact.vertex_forces(y, n)
+        return force
 
     def _scale_positions(self, z: FloatArray, bend: Bend) -> FloatArray:
         if isinstance(self.embedding, BodyCell):

@@ -67,7 +67,7 @@ class FiniteSheet(CellProblem):
     def __init__(
         self, pattern: Pattern, tiles: SheetTiles, hold: Hold, native: NativeModel | None = None
     ) -> None:
-        native = native or NativeModel()
+        native = native or NativeModel("shell")
         require_finite_sheet(native)
         if not tiles.copies:
             raise PatternError(

@@ -62,7 +62,7 @@ class CellModel:
         native: NativeModel | None = None,
     ) -> CellModel:
         """Materials and sizes of a pattern, modeled so; by default if not told."""
-        native = native or NativeModel()
+        native = native or NativeModel("shell")
         return cls(
             pattern.substrate_material,
             pattern.scale_material,

@@ -15,6 +15,7 @@ from flexscale.embedding.body_map import BodySecondOrder, BodyWorld
 from flexscale.embedding.body_pull_back import BodyPullBack
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.display import Display
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
@@ -191,7 +192,7 @@ class CellProblem:
     @classmethod
     def from_pattern(cls, pattern: Pattern, native: NativeModel | None = None) -> CellProblem:
         """Mesh a pattern and set up its native model, the default one if not told."""
-        native = native or NativeModel()
+        native = native or NativeModel("shell")
         return cls(build_mesh(pattern, native.mesh), CellModel.of_pattern(pattern, native))
 
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
@@ -235,6 +236,10 @@ class CellProblem:
         relaxed = [self.system.solve(-load)[0] for load in loads]
         fixed = np.array([[np.sum(rate * force) for force in stressed] for rate in rates])
         return FlatBends(state, rates, fixed, loads, relaxed)
+
+    def display(self) -> Display:
+        """What places scales and sheet for pictures."""
+        return Display(self.embedding, self.contact)
 
     def facts_of(self, state: CellState) -> dict[str, Any]:
         """Nothing that joints do not tell as well."""

@@ -20,6 +20,7 @@ from flexscale.embedding.pair_kernels import (
 )
 from flexscale.embedding.rigid_cell import RigidCell, RigidWorld, find_rigid_scales
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
+from flexscale.homogenize.joint_display import JointDisplay
 from flexscale.homogenize.joint_validity import doubts
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
@@ -197,6 +198,10 @@ class JointCell:
         self.system.factorize(self.bent(TensorBend(0.0, units[0])).hessian_values(state))
         relaxed = [self.system.solve(-load)[0] for load in loads]
         return FlatBends(state, rates, fixed, loads, relaxed)
+
+    def display(self) -> JointDisplay:
+        """What places scales and sheet for pictures."""
+        return JointDisplay(self.pattern, self.embedding, self.contact)
 
     def facts_of(self, state: JointState) -> dict[str, Any]:
         """How many stations lie beyond the range in which the law was sampled."""

@@ -132,5 +132,8 @@ class Problem(Protocol):
     def flat_bends(self) -> FlatBends:
         """Answers of the flat cell; its system is left factorized at rest."""
 
+    def display(self) -> Any:
+        """What places everything that one can see of a cell: `embedding.display.Display`."""
+
     def facts_of(self, state: Any) -> dict[str, Any]:
         """What a sample of a sweep tells of a state beyond what all models tell."""

@@ -7,12 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexscale.arrays import FloatArray
 from flexscale.datasets.build import build_dataset
 from flexscale.datasets.kinds.shape import SHAPE
-from flexscale.embedding.curvature_map import Bend
-from flexscale.embedding.display import Display
-from flexscale.homogenize.cell_problem import CellProblem
+from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel
@@ -43,9 +40,9 @@ def solve_shapes(
     native = native or NativeModel()
     for side, direction, curvature in bends:
         check_sweep(pattern, [direction], [curvature], [side])
-    problem = CellProblem.from_pattern(pattern, native)
-    display = Display(problem.embedding)
-    rest = display.place(problem.embedding.rest, Bend(0.0, 0.0))
+    problem = build_problem(pattern, native)
+    display = problem.display()
+    rest = display.rest
     displacement = np.full((len(bends), *rest.shape), np.nan)
     force = np.full((len(bends), len(rest)), np.nan)
     stretch = np.full((len(bends), 3), np.nan)
@@ -57,8 +54,8 @@ def solve_shapes(
         if "state" in sample:
             displacement[k] = display.place(sample["state"], line.bend(curvature)) - rest
             stretch[k] = sample["stretch"]
-            force[k] = _contact_force(problem, line.bend(curvature), sample["state"], len(rest))
-    torus = problem.mesh
+            force[k] = display.contact_force(sample["state"], line.bend(curvature))
+    torus = display.mesh
     arrays: dict[str, Any] = {
         "sample_direction": np.array([float(direction) for _, direction, _ in bends]),
         "sample_curvature": signed,
@@ -82,13 +79,3 @@ def solve_shapes(
     }
     scalars = pattern_scalars(pattern, native)
     return build_dataset(SHAPE, arrays, scalars=scalars, config=config)
-
-
-def _contact_force(problem: CellProblem, bend: Bend, z: FloatArray, n_points: int) -> FloatArray:
-    """(n_points,) N; the scale vertices come first among the points."""
-    force = np.zeros(n_points)
-    if problem.contact is not None:
-        y = problem.embedding.world_map.place(z, bend).y
-        n = problem.mesh.n_scale_vertices
-        force[:n] = problem.contact.vertex_forces(y, n)
-    return force

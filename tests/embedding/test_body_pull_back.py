@@ -22,7 +22,7 @@ def squares(n: int) -> CellProblem:
     tile = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
     tiles = [tile + np.array([10.0 * k, 0.0]) for k in range(n)]
     pattern = Pattern.from_polygons(tiles, (10.0 * n, 0.0), (0.0, 10.0))
-    return CellProblem.from_pattern(pattern, fs.NativeModel(mesh=COARSE))
+    return CellProblem.from_pattern(pattern, fs.NativeModel("shell", mesh=COARSE))
 
 
 @pytest.fixture(scope="module")

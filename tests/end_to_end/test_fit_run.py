@@ -15,6 +15,7 @@ from tests.end_to_end.test_run import run
 FILE = """
 patterns:
   square: {{family: IH76}}
+native: shell
 mesh: {{{mesh}scale_size: 10, scale_layers: 1, scale_order: 1, scale_strips: 0}}
 sweep:
   sides: [closing]

@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[2]
 FILE = """
 patterns:
   square: {family: IH76}
+native: shell
 mesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}
 tangent: {}
 figures: [tangent]

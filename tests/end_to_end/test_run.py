@@ -24,6 +24,7 @@ ROOT = Path(__file__).parents[2]
 SWEEP_ALONE = """
 patterns:
   square: {family: IH76}
+native: shell
 mesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}
 sweep: {directions: [0, 45], curvatures: [0, 0.0005, 0.001, 0.002, 0.003, 0.004]}
 """
@@ -257,7 +258,7 @@ def hard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("hard") / "hard.yaml"
     file.write_text(
         "patterns: {square: {family: IH76}}\n"
-        "mesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}\n"
+        "native: shell\nmesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}\n"
         "solver: {max_iterations: 1}\n"
         "sweep: {sides: [closing], directions: [45], curvatures: [0, 0.1]}\n"
         "figures: [curves]\n"

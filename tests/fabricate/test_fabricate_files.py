@@ -159,7 +159,7 @@ def test_files_are_named_after_pattern_shape_and_direction() -> None:
 
 @pytest.mark.parametrize("name", [entry.name for entry in fs.named_patterns()])
 def test_sheets_carry_the_identity_of_the_datasets_of_their_pattern(name: str) -> None:
-    content = {"patterns": {name: {"named": name}}, "mesh": {"along": 0.7}}
+    content = {"patterns": {name: {"named": name}}, "native": "shell", "mesh": {"along": 0.7}}
     experiment = parse_experiment(content, "file.yaml")
     job = build_plan(experiment).jobs[0]
     pattern = experiment.build_patterns()[name]

@@ -15,7 +15,8 @@ from flexscale.errors import BadInputError, FlexScaleError, UnitRangeError, Unkn
 
 SIDES = ("closing", "opening")
 COARSE = fs.NativeModel(
-    mesh=fs.MeshOptions(along=4, corner=1, scale_size=10, scale_layers=1, scale_order=1, across=2)
+    "shell",
+    mesh=fs.MeshOptions(along=4, corner=1, scale_size=10, scale_layers=1, scale_order=1, across=2),
 )
 
 

@@ -21,7 +21,9 @@ RNG = np.random.default_rng(5)
 @pytest.fixture(scope="module")
 def cell():
     """A cell of chevrons, and its last sample before contact."""
-    problem = CellProblem.from_pattern(fs.named_pattern("chevron"), fs.NativeModel(mesh=COARSE))
+    problem = CellProblem.from_pattern(
+        fs.named_pattern("chevron"), fs.NativeModel("shell", mesh=COARSE)
+    )
     (sample,) = follow_line(problem, LINE, SolverOptions())
     assert sample["contact_pairs"] == 0
     return problem, sample

@@ -86,7 +86,7 @@ def test_a_sweep_whose_worker_was_killed_goes_on_to_the_same_bits(tmp_path: Path
 
     def sweep(**options: object) -> object:
         given = ([0.0, 45.0], [0.0, 0.001, 0.002], ["closing"])
-        return fs.sweep(pattern, *given, **options, model=fs.NativeModel(mesh=mesh))  # type: ignore[arg-type]
+        return fs.sweep(pattern, *given, **options, model=fs.NativeModel("shell", mesh=mesh))  # type: ignore[arg-type]
 
     def kill(event: object) -> None:
         for process in children():

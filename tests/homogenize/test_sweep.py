@@ -20,7 +20,7 @@ CURVATURES = [0.0, 0.002, 0.004]
 
 def run(directions=(0.0, 30.0), **options):
     return fs.sweep(
-        PATTERN, list(directions), CURVATURES, **options, model=fs.NativeModel(mesh=COARSE)
+        PATTERN, list(directions), CURVATURES, **options, model=fs.NativeModel("shell", mesh=COARSE)
     )
 
 
@@ -123,7 +123,7 @@ def test_unconverged_samples_are_labelled_and_empty():
         ["opening"],
         workers=1,
         model=fs.NativeModel(
-            mesh=COARSE, solver=fs.SolverOptions(max_iterations=1, tolerance=1e-14)
+            "shell", mesh=COARSE, solver=fs.SolverOptions(max_iterations=1, tolerance=1e-14)
         ),
     )
     status = data.status.values.ravel()
@@ -161,7 +161,7 @@ def test_shapes_follow_the_cylinder():
     data = solve_shapes(
         PATTERN,
         [("closing", 0.0, 0.002), ("opening", 90.0, 0.002)],
-        native=fs.NativeModel(mesh=COARSE),
+        native=fs.NativeModel("shell", mesh=COARSE),
     )
     check_dataset(data, "shape")
     assert data.sample_curvature.values == pytest.approx([0.002, -0.002])

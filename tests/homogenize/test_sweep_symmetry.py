@@ -39,8 +39,10 @@ def test_without_symmetry_every_direction_is_its_own_source():
 def test_filled_directions_are_what_solving_them_gives():
     directions, curvatures = [0.0, 30.0, 60.0, 90.0, 150.0], [0.0, 0.004]
     arguments = (fs.Pattern(fs.Tiling("IH76")), directions, curvatures, ["closing"])
-    filled = fs.sweep(*arguments, workers=1, model=fs.NativeModel(mesh=COARSE))
-    full = fs.sweep(*arguments, workers=1, symmetry=False, model=fs.NativeModel(mesh=COARSE))
+    filled = fs.sweep(*arguments, workers=1, model=fs.NativeModel("shell", mesh=COARSE))
+    full = fs.sweep(
+        *arguments, workers=1, symmetry=False, model=fs.NativeModel("shell", mesh=COARSE)
+    )
     assert filled.symmetry_source.values[0].tolist() == [0.0, 30.0, 30.0, 0.0, 30.0]
     assert full.symmetry_source.values[0].tolist() == directions
     for name in ("energy_density", "moment", "stretch", "min_gap"):

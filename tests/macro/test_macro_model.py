@@ -117,7 +117,7 @@ def test_tangent_comes_from_the_recipe_of_a_sweep() -> None:
     }
     found = tangent_of_sweep(law_sweep(config=config))
     assert found is not None
-    known = fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=coarse))
+    known = fs.tangent_stiffness(pattern, model=fs.NativeModel("shell", mesh=coarse))
     np.testing.assert_allclose(found.matrix, known.matrix, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(found.in_plane, known.in_plane, rtol=1e-12, atol=1e-12)
     assert tangent_of_sweep(law_sweep()) is None

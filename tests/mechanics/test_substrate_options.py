@@ -13,7 +13,7 @@ from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
 from flexscale.steps.step import Resources
 
-NATIVE = fs.NativeModel()
+NATIVE = fs.NativeModel("shell")
 CONTENT: dict[str, Any] = {
     "patterns": {"square": {"family": "IH76"}},
     "tangent": {},
@@ -59,7 +59,9 @@ def test_naming_the_default_changes_no_identity():
     assert steps_of(CONTENT | {"substrate": {"element": "c1"}}) == steps_of(CONTENT)
     step, pattern = STEPS["tangent"], fs.Pattern(fs.Tiling("IH76"))
     block = step.block(directions=(0.0,))
-    recipe = step.recipe(step.parameters(pattern, fs.NativeModel(mesh=COARSE), block)).parameters
+    recipe = step.recipe(
+        step.parameters(pattern, fs.NativeModel("shell", mesh=COARSE), block)
+    ).parameters
     assert recipe["substrate"] == fs.SubstrateOptions().to_config()
     assert recipe["scales"] == fs.ScaleOptions().to_config()
     assert "contact" not in recipe
@@ -80,7 +82,7 @@ def test_steps_compute_with_the_element_they_name():
     )
     data = step.compute(parameters, {}, Resources())
     expected = fs.tangent_stiffness(
-        pattern, model=fs.NativeModel(mesh=COARSE, substrate=options)
+        pattern, model=fs.NativeModel("shell", mesh=COARSE, substrate=options)
     ).stiffness(45.0)
     assert float(data.stiffness[0]) == pytest.approx(expected, rel=1e-12)
     assert '"edge_angle"' in data.attrs["flexscale_config"]

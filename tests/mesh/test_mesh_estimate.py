@@ -33,14 +33,20 @@ def test_estimates_tell_the_order_of_magnitude(case: str) -> None:
 def test_meshes_of_too_many_elements_are_refused_at_once() -> None:
     pattern = fs.named_pattern("square")
     with pytest.raises(MeshError, match=r"about [\d.e+]+ tets, more than .*now 0\.0018 mm"):
-        fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=fs.MeshOptions(scale_size=0.0018)))
+        fs.tangent_stiffness(
+            pattern, model=fs.NativeModel("shell", mesh=fs.MeshOptions(scale_size=0.0018))
+        )
     with pytest.raises(MeshError, match=r"triangles, more than .*now 0\.001 mm"):
         build_mesh(pattern, fs.MeshOptions(along=0.001, corner=0.001))
     with pytest.raises(MeshError, match="give a smaller sheet"):
         require_moderate_sheet(pattern, COARSE, 5000.0, 5000.0)
     with pytest.raises(MeshError, match="give a smaller sheet"):
         fs.simulate_native_stage(
-            pattern, length=5000, width=5000, shortenings=1, model=fs.NativeModel(mesh=COARSE)
+            pattern,
+            length=5000,
+            width=5000,
+            shortenings=1,
+            model=fs.NativeModel("shell", mesh=COARSE),
         )
 
 

@@ -187,7 +187,7 @@ def test_published_pentagons(size: float, digits: int) -> None:
 
 def test_tangent_of_typed_hexagons_is_isotropic() -> None:
     pattern = custom([HEXAGON.round(3)], *HEXAGONAL.round(3))
-    stiffness = fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=COARSE)).stiffness
+    stiffness = fs.tangent_stiffness(pattern, model=fs.NativeModel("shell", mesh=COARSE)).stiffness
     values = [stiffness(angle) for angle in (0.0, 11.0, 45.0, 90.0)]
     assert np.ptp(values) < 1e-8 * np.mean(values)
 
@@ -195,7 +195,8 @@ def test_tangent_of_typed_hexagons_is_isotropic() -> None:
 def test_tangent_of_squares_far_from_the_origin() -> None:
     near, far = (
         fs.tangent_stiffness(
-            custom([np.array(SQUARE) + move], (10, 0), (0, 10)), model=fs.NativeModel(mesh=COARSE)
+            custom([np.array(SQUARE) + move], (10, 0), (0, 10)),
+            model=fs.NativeModel("shell", mesh=COARSE),
         )
         for move in (0.0, (192800.0, 231454.0))
     )

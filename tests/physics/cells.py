@@ -47,10 +47,10 @@ def hexagon(**changes) -> fs.Pattern:
 @cache
 def square_problem(mesh: fs.MeshOptions = COARSE) -> CellProblem:
     """The square cell, set up once for each mesh."""
-    return CellProblem.from_pattern(square(), fs.NativeModel(mesh=mesh))
+    return CellProblem.from_pattern(square(), fs.NativeModel("shell", mesh=mesh))
 
 
 @cache
 def hexagon_problem(mesh: fs.MeshOptions = COARSE) -> CellProblem:
     """The hexagon cell, set up once for each mesh."""
-    return CellProblem.from_pattern(hexagon(), fs.NativeModel(mesh=mesh))
+    return CellProblem.from_pattern(hexagon(), fs.NativeModel("shell", mesh=mesh))

@@ -59,7 +59,8 @@ def test_derivatives_of_the_bent_cell(make, scales):
     # Contact has tests of its own: a random state would press scales together.
     contact = fs.ContactOptions(enabled=False)
     problem = CellProblem.from_pattern(
-        make(), fs.NativeModel(contact=contact, scales=fs.ScaleOptions(scales), mesh=LAYERED)
+        make(),
+        fs.NativeModel("shell", contact=contact, scales=fs.ScaleOptions(scales), mesh=LAYERED),
     )
     generator = np.random.default_rng(4)
     rest = problem.embedding.rest
@@ -146,7 +147,7 @@ def test_the_constraint_holds_and_does_no_work_at_small_curvature():
 @pytest.mark.parametrize("mesh", MESHES)
 def test_sweep_has_the_symmetry_of_squares(mesh):
     """Directions 30 and 60 degree are mirror images, 20 and 110 degree quarter turns."""
-    model = fs.NativeModel(mesh=mesh)
+    model = fs.NativeModel("shell", mesh=mesh)
     data = fs.sweep(square(), [20.0, 30.0, 60.0, 110.0], [0.004, 0.008], workers=1, model=model)
     moment = data.moment
     assert moment.sel(direction=30.0).values == pytest.approx(
@@ -159,6 +160,6 @@ def test_sweep_has_the_symmetry_of_squares(mesh):
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_sweep_has_the_symmetry_of_hexagons(mesh):
-    model = fs.NativeModel(mesh=mesh)
+    model = fs.NativeModel("shell", mesh=mesh)
     data = fs.sweep(hexagon(), [10.0, 50.0, 70.0], [0.008], ["opening"], workers=1, model=model)
     assert data.moment.values.ravel() == pytest.approx([float(data.moment[0, 0, 0])] * 3, rel=1e-8)

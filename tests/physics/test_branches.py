@@ -22,7 +22,7 @@ MESH = fs.MeshOptions(across=2, corner=0.3, scale_layers=2, scale_strips=1, scal
 
 @pytest.fixture(scope="module")
 def problem():
-    return CellProblem.from_pattern(square(), fs.NativeModel(mesh=MESH))
+    return CellProblem.from_pattern(square(), fs.NativeModel("shell", mesh=MESH))
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,9 @@ def test_two_branches_are_told():
     Strips then collapse at their ends, and stay so at a smaller curvature.
     """
     substrate = fs.SubstrateOptions(bending_measure="turn")
-    problem = CellProblem.from_pattern(square(), fs.NativeModel(substrate=substrate, mesh=MESH))
+    problem = CellProblem.from_pattern(
+        square(), fs.NativeModel("shell", substrate=substrate, mesh=MESH)
+    )
     samples = list(follow_line(problem, Line("opening", 45.0, (0.02, 0.025, 0.03)), OPTIONS))
     assert [sample["status"] for sample in samples] == [0, 0, 0]
     assert "energy_density_returning" not in samples[1]
@@ -82,7 +84,7 @@ def test_two_branches_are_told():
 
 def test_strips_do_not_collapse():
     """The same with the energy integrated over the thickness: one branch, rising moments."""
-    problem = CellProblem.from_pattern(square(), fs.NativeModel(mesh=MESH))
+    problem = CellProblem.from_pattern(square(), fs.NativeModel("shell", mesh=MESH))
     samples = list(follow_line(problem, Line("opening", 45.0, (0.02, 0.025, 0.03)), OPTIONS))
     moments = [sample["moment"] for sample in samples]
     assert moments == sorted(moments)

@@ -32,7 +32,9 @@ GAP, HEIGHT = 0.4, 4.0
 def solve_line(pattern, side, degrees, curvatures, activation=0.005, stiffness=1.0):
     """Problem and samples of one line; all of them must converge."""
     contact = fs.ContactOptions(activation=activation, stiffness=stiffness)
-    problem = CellProblem.from_pattern(pattern, fs.NativeModel(contact=contact, mesh=COARSE))
+    problem = CellProblem.from_pattern(
+        pattern, fs.NativeModel("shell", contact=contact, mesh=COARSE)
+    )
     line = Line(side, degrees, tuple(curvatures))
     samples = list(follow_line(problem, line, SolverOptions()))
     assert [sample["status"] for sample in samples] == [0] * len(samples)
@@ -326,7 +328,7 @@ def test_each_pair_of_scales_is_met_once():
     for n in (1, 2):
         tiles = [tile + np.array([10.0 * k, 0.0]) for k in range(n)]
         pattern = Pattern.from_polygons(tiles, (10.0 * n, 0.0), (0.0, 10.0))
-        problem = CellProblem.from_pattern(pattern, fs.NativeModel(mesh=COARSE))
+        problem = CellProblem.from_pattern(pattern, fs.NativeModel("shell", mesh=COARSE))
         z = problem.embedding.rest.copy()
         # Scales keep their places and size; only the period along x shrinks, by 0.399 mm a scale.
         for start, body in zip(problem.embedding.world_map.starts, problem.bodies, strict=False):

@@ -35,14 +35,14 @@ def cell():
     contact = fs.ContactOptions(enabled=False)
     return cache(
         lambda make, options: CellProblem.from_pattern(
-            make(), fs.NativeModel(contact=contact, substrate=options, mesh=COARSE)
+            make(), fs.NativeModel("shell", contact=contact, substrate=options, mesh=COARSE)
         )
     )
 
 
 def test_bare_sheet_is_an_isotropic_plate():
     """Edge angles hold every quadratic height, so the tangent is exact on any mesh."""
-    model = CellModel.of_pattern(square(), fs.NativeModel(substrate=EDGE_ANGLE))
+    model = CellModel.of_pattern(square(), fs.NativeModel("shell", substrate=EDGE_ANGLE))
     problem = CellProblem(build_bare_mesh(OBLIQUE, 1.5), model)
     assert solve_tangent(problem).matrix == pytest.approx(PLATE, abs=1e-9 * D)
 
@@ -74,7 +74,7 @@ def test_a_vertex_of_three_triangles():
     )
     split.validate()
     problem = CellProblem(
-        split, CellModel.of_pattern(square(), fs.NativeModel(substrate=EDGE_ANGLE))
+        split, CellModel.of_pattern(square(), fs.NativeModel("shell", substrate=EDGE_ANGLE))
     )
     assert solve_tangent(problem).matrix == pytest.approx(PLATE, abs=1e-9 * D)
     state = 0.01 * np.random.default_rng(1).normal(size=len(problem.embedding.rest))
@@ -91,7 +91,7 @@ def test_a_bent_bare_sheet_converges_to_that_of_smooth_elements():
     """Chords of a circle: second order in the element size, to the same law at 0.1 mm-1."""
 
     def moment(options: fs.SubstrateOptions, size: float) -> float:
-        model = CellModel.of_pattern(square(), fs.NativeModel(substrate=options))
+        model = CellModel.of_pattern(square(), fs.NativeModel("shell", substrate=options))
         problem = CellProblem(build_bare_mesh(OBLIQUE, size), model)
         bent = problem.bent(Bend(0.1, 0.6))
         solution = solve_equilibrium(bent, problem.embedding.rest, SolverOptions())
@@ -137,7 +137,7 @@ def test_edge_angles_make_exact_hinges():
     """Rigid squares along a side, a = D P / g: one smooth bend across each gap, 2 % as for C1."""
     tangent = fs.tangent_stiffness(
         square(scale_material=RIGID),
-        model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()), substrate=EDGE_ANGLE),
+        model=fs.NativeModel("shell", mesh=few_tets(fs.MeshOptions()), substrate=EDGE_ANGLE),
     )
     assert tangent.stiffness(0.0) == pytest.approx(24.8 * D, rel=0.02)
 
@@ -155,10 +155,12 @@ def test_edge_angles_converge_from_below(make, direction):
         )
         pattern = make(scale_material=RIGID)
         found.append(
-            fs.tangent_stiffness(pattern, model=fs.NativeModel(mesh=mesh, substrate=EDGE_ANGLE))
+            fs.tangent_stiffness(
+                pattern, model=fs.NativeModel("shell", mesh=mesh, substrate=EDGE_ANGLE)
+            )
         )
     smooth = fs.tangent_stiffness(
-        make(scale_material=RIGID), model=fs.NativeModel(mesh=few_tets(fs.MeshOptions()))
+        make(scale_material=RIGID), model=fs.NativeModel("shell", mesh=few_tets(fs.MeshOptions()))
     )
     a = [tangent.stiffness(direction) for tangent in [*found, smooth]]
     assert a == sorted(a)
@@ -192,7 +194,7 @@ def moments(pattern: fs.Pattern, direction: float = 25.0) -> np.ndarray:
         [direction],
         [0.0, 0.008],
         workers=1,
-        model=fs.NativeModel(mesh=ONE_LAYER, substrate=EDGE_ANGLE),
+        model=fs.NativeModel("shell", mesh=ONE_LAYER, substrate=EDGE_ANGLE),
     )
     assert (data.status == 0).all()
     return data.moment.values[:, 0, 1]
@@ -230,7 +232,7 @@ def test_elements_agree_where_the_membrane_carries():
             curvatures,
             ["closing"],
             workers=1,
-            model=fs.NativeModel(substrate=options),
+            model=fs.NativeModel("shell", substrate=options),
         )
         for options in (fs.SubstrateOptions("c1"), EDGE_ANGLE)
     ]

@@ -27,7 +27,7 @@ COARSEST = fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2
 @cache
 def flat(name: str) -> fs.GapModel:
     """Of the flat cell of a pattern, solved once."""
-    return fs.gap_model(fs.named_pattern(name), model=fs.NativeModel(mesh=COARSE))
+    return fs.gap_model(fs.named_pattern(name), model=fs.NativeModel("shell", mesh=COARSE))
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> N
 def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
     """Rigid blocks on hinges again: 0.04 and 0.05 mm-1 lie beyond all sample curvatures."""
     pattern = fs.named_pattern("square", gap=gap, scale_height=height)
-    model = fs.gap_model(pattern, model=fs.NativeModel(mesh=COARSEST))
+    model = fs.gap_model(pattern, model=fs.NativeModel("shell", mesh=COARSEST))
     expected = gap / (height * 10.0)
     np.testing.assert_allclose(model.onset([0.0, 90.0]), expected, rtol=0.06)
     assert np.isfinite(model.onset(np.arange(0.0, 180.0, 5.0))).all()
@@ -72,8 +72,8 @@ def test_low_scales_and_wide_gaps_meet_late(gap: float, height: float) -> None:
 @pytest.mark.slow
 def test_a_sweep_meets_where_a_late_onset_says() -> None:
     pattern = fs.named_pattern("square", scale_height=1.0)
-    onset = float(fs.gap_model(pattern, model=fs.NativeModel(mesh=COARSEST)).onset(0.0))
-    cell = CellProblem.from_pattern(pattern, fs.NativeModel(mesh=COARSEST))
+    onset = float(fs.gap_model(pattern, model=fs.NativeModel("shell", mesh=COARSEST)).onset(0.0))
+    cell = CellProblem.from_pattern(pattern, fs.NativeModel("shell", mesh=COARSEST))
     line = Line("closing", 0.0, tuple(onset * np.array([0.0, 0.3, 0.6, 0.9, 1.1])))
     pairs = [s["contact_pairs"] for s in follow_line(cell, line, SolverOptions())]
     assert pairs[-2] == 0
@@ -107,7 +107,7 @@ def test_softenings_fitted_to_a_sweep_bring_energies_close(reference_hexagon: xr
     assert before < 0.15
     assert after < 0.06
     with pytest.raises(BadInputError, match="different patterns"):
-        fs.gap_model(fs.named_pattern("square"), sweep, model=fs.NativeModel(mesh=COARSE))
+        fs.gap_model(fs.named_pattern("square"), sweep, model=fs.NativeModel("shell", mesh=COARSE))
 
 
 def test_what_a_sweep_does_not_show_is_not_fitted(
@@ -133,7 +133,9 @@ def test_onsets_are_of_tensors(squares: fs.GapModel) -> None:
 
 
 def test_fewer_overlaps_change_little() -> None:
-    problem = CellProblem.from_pattern(fs.named_pattern("arrowhead"), fs.NativeModel(mesh=COARSE))
+    problem = CellProblem.from_pattern(
+        fs.named_pattern("arrowhead"), fs.NativeModel("shell", mesh=COARSE)
+    )
     rough, fine = (solve_flat_contact(problem, overlap) for overlap in (0.02, 0.005))
     assert len(rough) < len(fine)
     for k in ([0.02, -0.01, 0.0], [0.0, -0.025, 0.005], [0.01, 0.01, -0.02]):
@@ -147,7 +149,7 @@ def test_fewer_overlaps_change_little() -> None:
 def test_without_scales_or_contact_there_are_no_gaps() -> None:
     problem = CellProblem.from_pattern(
         fs.named_pattern("square"),
-        fs.NativeModel(contact=fs.ContactOptions(enabled=False), mesh=COARSE),
+        fs.NativeModel("shell", contact=fs.ContactOptions(enabled=False), mesh=COARSE),
     )
     found = solve_flat_contact(problem)
     assert len(found) == 0
@@ -166,7 +168,9 @@ def test_free_strip_curls_and_locks_as_its_flat_cell_says(
 ) -> None:
     """Bent along 0 degree, arrowheads curl the other way across, and meet at half the curvature at
     which those of a cell do that is held straight across."""
-    strip = FreeStrip(fs.named_pattern("arrowhead"), 25.0, native=fs.NativeModel(mesh=COARSE))
+    strip = FreeStrip(
+        fs.named_pattern("arrowhead"), 25.0, native=fs.NativeModel("shell", mesh=COARSE)
+    )
     native = list(follow_line(strip, Line("closing", 0.0, (0.0, *curvatures)), SolverOptions()))[1:]
     arrowheads = flat("arrowhead")
     assert float(arrowheads.onset(0.0)) > 0.008
@@ -188,7 +192,7 @@ def test_free_strip_curls_and_locks_as_its_flat_cell_says(
 def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
     pattern, kappa = fs.named_pattern("square"), 0.004
     single, double = (
-        FreeStrip(pattern, 20.0, periods=periods, native=fs.NativeModel(mesh=COARSE))
+        FreeStrip(pattern, 20.0, periods=periods, native=fs.NativeModel("shell", mesh=COARSE))
         for periods in (1, 2)
     )
     line = Line("closing", 0.0, (0.0, kappa - 2e-5, kappa, kappa + 2e-5))
@@ -203,8 +207,8 @@ def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
 def test_strips_are_bent_along_a_lattice_vector() -> None:
     pattern = fs.named_pattern("square")
     with pytest.raises(PatternError, match="No lattice vector of the pattern lies along 10 degree"):
-        FreeStrip(pattern, 20.0, 10.0, native=fs.NativeModel(mesh=COARSE))
-    strip = FreeStrip(pattern, 20.0, native=fs.NativeModel(mesh=COARSE))
+        FreeStrip(pattern, 20.0, 10.0, native=fs.NativeModel("shell", mesh=COARSE))
+    strip = FreeStrip(pattern, 20.0, native=fs.NativeModel("shell", mesh=COARSE))
     with pytest.raises(BadInputError, match=r"along its length only, .* not in 90 degree"):
         list(follow_line(strip, Line("closing", 90.0, (0.0, 0.001)), SolverOptions()))
 
@@ -234,7 +238,9 @@ def test_strips_that_cannot_be_cut(given: dict[str, Any], said: str) -> None:
 
 
 def test_an_overlap_is_allowed() -> None:
-    problem = CellProblem.from_pattern(fs.named_pattern("square"), fs.NativeModel(mesh=COARSE))
+    problem = CellProblem.from_pattern(
+        fs.named_pattern("square"), fs.NativeModel("shell", mesh=COARSE)
+    )
     with pytest.raises(UnitRangeError, match="overlap"):
         solve_flat_contact(problem, 0.0)
     assert len(solve_flat_contact(problem, 1e-10)) >= len(solve_flat_contact(problem))

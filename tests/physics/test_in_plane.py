@@ -33,7 +33,7 @@ def test_rigid_squares_stretch_their_strips():
     G P/(2 g) (1 + g/P). 2 %: the mesh.
     """
     scales = square(scale_material=RIGID, bond_radius=0.0)
-    model = fs.NativeModel(mesh=few_tets(fs.MeshOptions()))
+    model = fs.NativeModel("shell", mesh=few_tets(fs.MeshOptions()))
     found = fs.tangent_stiffness(scales, model=model).in_plane
     assert 24.0 * PLATE < found[0, 0] < 25.0 * PLATE * 1.02
     assert 0.5 * 24.0 * SHEAR < found[2, 2] < 0.5 * 26.0 * SHEAR * 1.02

@@ -36,10 +36,12 @@ COARSEST = fs.MeshOptions(
 def test_estimate_is_of_the_size_of_the_error(make, mesh):
     """Against a mesh three times as fine: neither hidden nor overstated by much more than 2."""
     pattern = make()
-    problem = CellProblem.from_pattern(pattern, fs.NativeModel(contact=NO_CONTACT, mesh=mesh))
+    problem = CellProblem.from_pattern(
+        pattern, fs.NativeModel("shell", contact=NO_CONTACT, mesh=mesh)
+    )
     tangent = solve_tangent(problem)
     fine = CellProblem.from_pattern(
-        pattern, fs.NativeModel(contact=NO_CONTACT, mesh=mesh.finer(3.0))
+        pattern, fs.NativeModel("shell", contact=NO_CONTACT, mesh=mesh.finer(3.0))
     )
     limit = solve_tangent(fine).stiffness(ANGLES)
     error = float(np.abs(tangent.stiffness(ANGLES) / limit - 1.0).max())
@@ -51,14 +53,21 @@ def test_no_larger_elements_no_estimate():
     """The gap cannot be meshed with elements longer than its sides: nan, not a failure."""
     pattern = square()
     long = dataclasses.replace(MESH, scale_size=1e3, scale_corner=1e3, along=1e3)
-    problem = CellProblem.from_pattern(pattern, fs.NativeModel(contact=NO_CONTACT, mesh=MESH))
+    problem = CellProblem.from_pattern(
+        pattern, fs.NativeModel("shell", contact=NO_CONTACT, mesh=MESH)
+    )
     estimate = estimate_mesh_error(pattern, long, problem.model, solve_tangent(problem))
     assert np.isnan(estimate) or estimate > 0.0
 
 
 def test_sweeps_carry_it():
     data = fs.sweep(
-        square(), [0.0], [0.0, 0.001], ["closing"], workers=1, model=fs.NativeModel(mesh=MESH)
+        square(),
+        [0.0],
+        [0.0, 0.001],
+        ["closing"],
+        workers=1,
+        model=fs.NativeModel("shell", mesh=MESH),
     )
     assert 0.0 < data.attrs["mesh_error_at_rest"] < 0.2
     assert "twice as large" in data.attrs["mesh_error_comment"]

@@ -23,13 +23,15 @@ COARSE = fs.MeshOptions().finer(0.5)
 def squares() -> NativeSheet:
     """Two whole squares in a row."""
     pattern = fs.named_pattern("square")
-    return NativeSheet(pattern, 20.0, 10.0, native=fs.NativeModel(mesh=COARSE))
+    return NativeSheet(pattern, 20.0, 10.0, native=fs.NativeModel("shell", mesh=COARSE))
 
 
 def test_soft_direction_is_that_of_the_cell(squares: NativeSheet) -> None:
     """Hinges between squares do not notice the free sides but for the strip's Poisson effect."""
     curvatures = (0.0, 0.002, 0.004)
-    cell = CellProblem.from_pattern(fs.named_pattern("square"), fs.NativeModel(mesh=COARSE))
+    cell = CellProblem.from_pattern(
+        fs.named_pattern("square"), fs.NativeModel("shell", mesh=COARSE)
+    )
     native = [s["moment"] for s in bend_native_sheet(squares, curvatures)][1:]
     line = Line("closing", 0.0, curvatures)
     periodic = [s["moment"] for s in follow_line(cell, line, SolverOptions())][1:]
@@ -91,7 +93,7 @@ def test_dataset_keeps_every_number(squares: NativeSheet) -> None:
         width=10.0,
         curvatures=[0.0, 0.002],
         sides=["closing"],
-        model=fs.NativeModel(mesh=COARSE),
+        model=fs.NativeModel("shell", mesh=COARSE),
     )
     *_, sample = bend_native_sheet(squares, (0.0, 0.002))
     found = dataset.sel(side="closing", curvature=0.002)
@@ -114,14 +116,14 @@ def test_bad_bends_are_refused(squares: NativeSheet) -> None:
             fs.named_pattern("square"),
             20.0,
             10.0,
-            native=fs.NativeModel(scales=fs.ScaleOptions(model="tets")),
+            native=fs.NativeModel("shell", scales=fs.ScaleOptions(model="tets")),
         )
     with pytest.raises(ConfigError, match="smooth triangles"):
         NativeSheet(
             fs.named_pattern("square"),
             20.0,
             10.0,
-            native=fs.NativeModel(substrate=fs.SubstrateOptions("edge_angle")),
+            native=fs.NativeModel("shell", substrate=fs.SubstrateOptions("edge_angle")),
         )
 
 
@@ -132,7 +134,7 @@ def test_the_bending_measure_is_that_of_the_sheet(squares: NativeSheet) -> None:
         fs.named_pattern("square"),
         20.0,
         10.0,
-        native=fs.NativeModel(mesh=COARSE, substrate=options),
+        native=fs.NativeModel("shell", mesh=COARSE, substrate=options),
     )
     energies = [
         sample["energy_density"]

@@ -49,7 +49,9 @@ def bare() -> NativeStage:
     beam = dataclasses.replace(square.substrate_material, poisson_ratio=0.0)
     mesh = dataclasses.replace(COARSE, along=3.0)
     return NativeStage(
-        square.with_(substrate_material=beam), bare_tiles(), native=fs.NativeModel(mesh=mesh)
+        square.with_(substrate_material=beam),
+        bare_tiles(),
+        native=fs.NativeModel("shell", mesh=mesh),
     )
 
 
@@ -57,7 +59,9 @@ def bare() -> NativeStage:
 def squares() -> NativeStage:
     """Two whole squares in a row between halves."""
     tiles = clip_pattern(fs.named_pattern("square"), 30.0, 10.0, glued=False)
-    return NativeStage(fs.named_pattern("square"), tiles, native=fs.NativeModel(mesh=COARSE))
+    return NativeStage(
+        fs.named_pattern("square"), tiles, native=fs.NativeModel("shell", mesh=COARSE)
+    )
 
 
 def linked_elastica(shortening: float, stiffness: float) -> float:
@@ -209,7 +213,7 @@ def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
         def append(self, key: str, sample: dict) -> None:
             self.setdefault(key, []).append(sample)
 
-    model = fs.NativeModel(mesh=COARSE)
+    model = fs.NativeModel("shell", mesh=COARSE)
     settings = {"length": 30.0, "width": 10.0, "sides": ["opening"], "model": model}
     pattern, kept = fs.named_pattern("square"), Kept()
     fs.simulate_native_stage(pattern, shortenings=[0.05], **settings, checkpoint=kept)
@@ -244,7 +248,7 @@ def test_dataset_goes_on_where_it_was_stopped(squares: NativeStage) -> None:
     ],
 )
 def test_bad_strips_are_refused(settings: dict, error: type, word: str) -> None:
-    model = fs.NativeModel(mesh=COARSE)
+    model = fs.NativeModel("shell", mesh=COARSE)
     whole = {"length": 40.0, "width": 10.0, "shortenings": [1.0], "model": model, **settings}
     with pytest.raises(error, match=word):
         fs.simulate_native_stage(fs.named_pattern("square"), **whole)

@@ -35,7 +35,7 @@ def problem(make, scales, contact=True, mesh=MESH):
     """A cell on one mesh, with scales of either kind."""
     options = fs.ContactOptions(enabled=contact)
     return CellProblem.from_pattern(
-        make(), fs.NativeModel(contact=options, scales=scales, mesh=mesh)
+        make(), fs.NativeModel("shell", contact=options, scales=scales, mesh=mesh)
     )
 
 

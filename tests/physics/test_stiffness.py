@@ -38,7 +38,9 @@ def test_bare_sheet_is_an_isotropic_plate():
 @cache
 def rigid_tangent(make, mesh):
     """Of a pattern with rigid scales."""
-    return fs.tangent_stiffness(make(scale_material=RIGID), model=fs.NativeModel(mesh=mesh))
+    return fs.tangent_stiffness(
+        make(scale_material=RIGID), model=fs.NativeModel("shell", mesh=mesh)
+    )
 
 
 @pytest.mark.parametrize("mesh", MESHES)
@@ -109,15 +111,17 @@ QUICK = fs.MeshOptions(along=2.0, corner=0.6, scale_size=5.0, scale_corner=2.0, 
 @pytest.mark.parametrize("name", ["pinwheel3", "threefold"])
 def test_three_fold_patterns_are_isotropic_at_rest(name):
     """Without any mirror; the mesh shares the symmetry, so to rounding on any mesh."""
-    a = fs.tangent_stiffness(fs.named_pattern(name), model=fs.NativeModel(mesh=QUICK)).stiffness(
-        np.arange(0.0, 180.0, 5)
-    )
+    a = fs.tangent_stiffness(
+        fs.named_pattern(name), model=fs.NativeModel("shell", mesh=QUICK)
+    ).stiffness(np.arange(0.0, 180.0, 5))
     assert np.ptp(a) < 1e-6 * a.mean()
 
 
 @pytest.mark.parametrize("name", ["pinwheel4", "pentagon"])
 def test_four_fold_patterns_repeat_after_a_quarter_turn(name):
-    tangent = fs.tangent_stiffness(fs.named_pattern(name), model=fs.NativeModel(mesh=QUICK))
+    tangent = fs.tangent_stiffness(
+        fs.named_pattern(name), model=fs.NativeModel("shell", mesh=QUICK)
+    )
     directions = np.arange(0.0, 90.0, 5.0)
     first, second = tangent.stiffness(directions), tangent.stiffness(directions + 90.0)
     assert second == pytest.approx(first, rel=1e-6)

@@ -26,7 +26,7 @@ def moment(pattern: Pattern, direction: float = 25.0, curvature: float = 0.008) 
         [direction % 180.0],
         curvatures,
         workers=1,
-        model=fs.NativeModel(mesh=COARSE, solver=solver),
+        model=fs.NativeModel("shell", mesh=COARSE, solver=solver),
     )
     assert (data.status == 0).all()
     return data.moment.values[:, 0, 1]

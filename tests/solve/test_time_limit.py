@@ -62,7 +62,7 @@ def test_a_sample_out_of_time_is_given_up_and_says_so() -> None:
         [0, 0.005, 0.01],
         ["opening"],
         workers=1,
-        model=fs.NativeModel(mesh=COARSE, solver=hasty),
+        model=fs.NativeModel("shell", mesh=COARSE, solver=hasty),
     )
     ends = [SolveStatus.converged, SolveStatus.time_limit, SolveStatus.not_run]
     assert found.status.values.ravel().tolist() == ends

@@ -11,6 +11,7 @@ from flexscale.homogenize.native_model import NativeModel
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.blocks import Block, Curvature, Direction, Side
 from flexscale.steps.folds import refuse_folds
+from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import BENT, Figure, Resources, Step, StepBlock, Task
 
@@ -55,7 +56,7 @@ def compute(
     from flexscale.homogenize.shape import solve_shapes
 
     bends = [(one.side, one.direction, one.curvature) for one in task.block.samples]
-    return solve_shapes(task.pattern, bends, task.native)
+    return solve_shapes(task.pattern, bends, native_of(task, inputs))
 
 
 SHAPE = Step(

@@ -1,0 +1,106 @@
+"""Where everything of a cell on joints is at a state, for pictures: scales, and a sheet between."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from flexscale.arrays import FloatArray, IntArray
+from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.rigid_cell import RigidCell
+from flexscale.embedding.rigid_motion import N_VARIABLES, N_WORK, place_pair
+from flexscale.mechanics.prism_contact import PrismContact
+from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.torus import build_mesh
+from flexscale.patterns.pattern import Pattern
+
+#: Of a picture: nothing is computed with it.
+MESH = MeshOptions(along=1.0, corner=0.5, scale_size=5.0, scale_layers=1, scale_order=1)
+
+
+class JointDisplay:
+    """Positions of all scale vertices, then of the sheet's corners, also under the scales.
+
+    Between scales the sheet is drawn through a mean of how its neighbors move, with weights that
+    fall off as the square of the distance from them; the model knows no more of it than its energy.
+
+    Attributes
+    ----------
+    mesh : of scales and sheet.
+    triangles : (n_triangles, 3) points with the sheet triangles' corners.
+    rest : (n_points, 3) mm.
+    """
+
+    def __init__(
+        self, pattern: Pattern, embedding: RigidCell, contact: PrismContact | None
+    ) -> None:
+        self.pattern, self.embedding, self.contact = pattern, embedding, contact
+        mesh = self.mesh = build_mesh(pattern, MESH)
+        keys = np.concatenate([mesh.triangles[..., None], mesh.triangle_offsets], axis=2)
+        corners, number = np.unique(keys.reshape(-1, 3), axis=0, return_inverse=True)
+        self.triangles: IntArray = mesh.n_scale_vertices + number.reshape(-1, 3)
+        ground = mesh.positions[corners[:, 0]] + corners[:, 1:] @ mesh.lattice
+        self.rest = np.concatenate([mesh.scale_positions, np.pad(ground, ((0, 0), (0, 1)))])
+        self._carriers, self._weights = self._find_carriers()
+
+    def _find_carriers(self) -> tuple[list[tuple[int, FloatArray]], FloatArray]:
+        """Images of scales (number, lattice vector), and their weights (n_points, n_images)."""
+        pattern = self.pattern
+        outlines = [shapely.Polygon(outline) for outline in pattern.outlines()]
+        points = shapely.points(self.rest[:, :2])
+        images, weights = [], []
+        reach = 4.0 * pattern.gap
+        for m in range(-2, 3):
+            for n in range(-2, 3):
+                shift = np.array([m, n]) @ pattern.lattice
+                for scale, outline in enumerate(outlines):
+                    moved = shapely.transform(outline, lambda xy, shift=shift: xy + shift)
+                    distance = shapely.distance(points, moved)
+                    if (distance < reach).any():
+                        images.append((scale, shift))
+                        weights.append(1.0 / np.maximum(distance, 1e-9 * pattern.gap) ** 2)
+        shares = np.array(weights).T
+        shares[shares < 1e-6 * shares.max(axis=1)[:, None]] = 0.0
+        return images, shares / shares.sum(axis=1)[:, None]
+
+    def place(self, z: FloatArray, bend: Bend) -> FloatArray:
+        """(n_points, 3) in the world at a state z under a bend, mm."""
+        scales, tensor = self.embedding.scales, bend.tensor
+        lifts = self.embedding.lifts(tensor)
+        work, pose, still = np.empty((N_WORK, 1)), np.empty((24, 1)), np.zeros(6)
+        level = 0.5 * self.pattern.substrate_thickness  # of the bases, over the anchors
+        out = np.zeros_like(self.rest)
+        for (scale, shift), weight in zip(self._carriers, self._weights.T, strict=True):
+            place = scales.anchors[scale] + shift
+            own = np.array([0.0, lifts[scale]])
+            unknowns = z[6 * scale : 6 * scale + 6]
+            place_pair(
+                still, unknowns, own, place, tensor, z[-3:], bend.curvature, work, pose,
+                N_VARIABLES, 0,
+            )  # fmt: skip
+            used = weight > 0.0
+            arms = self.rest[used] - [*place, -level]
+            moved = pose[12:15, 0] + arms @ pose[15:, 0].reshape(3, 3).T
+            out[used] += weight[used, None] * moved
+        out[:, 2] -= level
+        return out
+
+    def contact_force(self, z: FloatArray, bend: Bend) -> FloatArray:
+        """(n_points,) length of the force by which other scales press on a scale's corner, N."""
+        force = np.zeros(len(self.rest))
+        contact, scales = self.contact, self.embedding.scales
+        if contact is None:
+            return force
+        world, rows = self.embedding.place(z, bend), scales.rows
+        on_rows = np.zeros_like(world.y)
+        contact.add_gradient(world.y, on_rows)
+        lengths = np.linalg.norm(on_rows, axis=1)
+        pressed = np.flatnonzero(lengths > 0.0)
+        scale = scales.pairs[rows.pair[pressed], rows.second[pressed].astype(int)]
+        level = 0.5 * self.pattern.substrate_thickness
+        corners = np.pad(scales.anchors[scale], ((0, 0), (0, 1))) + rows.rest[pressed]
+        corners[:, 2] -= level
+        nearest = cKDTree(self.mesh.scale_positions).query(corners)[1]
+        np.add.at(force, nearest, lengths[pressed])
+        return force

@@ -92,6 +92,7 @@ ALL = (
     Page("scale_elements"),
     Page("substrate_elements"),
     Page("substrate_bending"),
+    Page("joint_section"),
     Page("bending_measures"),
     Page("contact_convergence"),
     Page("branches"),

@@ -93,6 +93,7 @@ ALL = (
     Page("substrate_elements"),
     Page("substrate_bending"),
     Page("joint_section"),
+    Page("joint_laws"),
     Page("bending_measures"),
     Page("contact_convergence"),
     Page("branches"),

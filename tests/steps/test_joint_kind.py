@@ -9,7 +9,7 @@ import xarray as xr
 import flexscale as fs
 from flexscale.datasets.checks import check_dataset
 from flexscale.datasets.kinds.joint import quadratic_part
-from flexscale.errors import ConfigError, SchemaError
+from flexscale.errors import PatternError, SchemaError
 from flexscale.joints.library import joint_law
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import parse_experiment
@@ -99,7 +99,7 @@ def test_quadratic_part_of_a_polynomial() -> None:
 
 def test_sizes_without_a_joint_are_refused_when_planned() -> None:
     content = {"patterns": {"square": {"named": "square", "substrate_thickness": 0.03}}}
-    with pytest.raises(ConfigError, match=r"13\.3 thicknesses"):
+    with pytest.raises(PatternError, match=r"13\.3 thicknesses"):
         build_plan(parse_experiment(content | {"joint": {}}, "file"))
 
 

@@ -122,10 +122,11 @@ def main() -> None:
     lines += [
         "## Stiffness at rest and curvature of W",
         "",
-        "In E and t. The mesh of the states is stiffer at rest than the limit, which the law has as "
-        "its quadratic part. The least eigenvalue of the second derivatives is negative in the "
-        "part of the range that is given, where a stretched sheet turns about its own middle "
-        "surface: so it is of the solid itself, see tests.",
+        "In E and t. The mesh of the states is stiffer at rest than the limit, which the law has",
+        "as its quadratic part. Second derivatives have a negative eigenvalue, in the share of the",
+        "range that is given, because scales turn about the middle of the gap: a turn φ brings the",
+        "walls nearer by g (1 - cos φ/2), so that an opened joint has -F g/4 in W's second",
+        "derivative by φ, with F the force of u. The solid has the same, and cells add the rest.",
         "",
     ]
     head = [

@@ -92,6 +92,8 @@ ALL = (
     Page("scale_elements"),
     Page("substrate_elements"),
     Page("substrate_bending"),
+    Page("joint_section"),
+    Page("joint_laws"),
     Page("contact_convergence"),
     Page("branches"),
     Page("never_stuck", reads="named_patterns"),

@@ -47,5 +47,6 @@ def make_sheet(
 def cell_dataset(pattern: Pattern, mesh: MeshOptions) -> dict[str, str]:
     """Id and recipe digest that the pattern's cell has in any results folder, stored or not."""
     step = STEPS["cell"]
-    digest = step.recipe(step.parameters(pattern, NativeModel("shell", mesh=mesh), step.block())).digest()
+    native = NativeModel("shell", mesh=mesh)
+    digest = step.recipe(step.parameters(pattern, native, step.block())).digest()
     return {"id": f"cell:{digest[:SHORT_DIGEST]}", "recipe_digest": digest}

@@ -193,7 +193,8 @@ class _Slots:
     def values(self, blocks: FloatArray) -> FloatArray:
         """Values on the pattern of element blocks (n_elements, n_pairs, 3, 3)."""
         found = blocks.ravel()[self._source]
-        return np.bincount(self._slots, weights=found, minlength=len(self.indices))
+        summed = np.bincount(self._slots, weights=found, minlength=len(self.indices))
+        return summed.astype(np.float64, copy=False)
 
     def matrix(self, blocks: FloatArray) -> sp.csr_array:
         """The matrix of element blocks."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 
+_GROOVES = 8.0  # elements at the edges of grooves, in sizes of those at the bond's edges
 Interval = tuple[float, float]
 
 
@@ -75,16 +76,17 @@ class SectionMesh:
 def build_section_mesh(shape: SectionShape, grading: Grading) -> SectionMesh:
     """Mesh of a section: of the sheet alone under rigid scales, else with the scales' rims."""
     half, end = 0.5 * shape.gap, 0.5 * shape.gap + shape.depth
-    right = [half + place for groove in shape.grooves for place in groove if place < shape.depth]
-    outer = _graded([half, *right, end], [True] + [bool(right)] * len(right) + [False], grading)
-    inner = _graded([0.0, half], [False, True], grading)
+    fine, keyed = grading.smallest, _GROOVES * grading.smallest
+    walls = [half + place for groove in shape.grooves for place in groove if place < shape.depth]
+    outer = _graded([half, *walls, end], [fine, *[keyed] * len(walls), np.inf], grading)
+    inner = _graded([0.0, half], [np.inf, fine], grading)
     positive = np.concatenate([inner, outer[1:]])
     across = np.concatenate([-positive[:0:-1], positive])
-    bottoms = [-1.0, *([-shape.groove_depth] if right else []), 0.0]
-    up = _graded(bottoms, [False] + [True] * (len(bottoms) - 1), grading)
+    floors = [-shape.groove_depth] if walls else []
+    up = _graded([-1.0, *floors, 0.0], [np.inf, *[keyed] * len(floors), fine], grading)
     if shape.height is not None:
-        coarse = Grading(3.0 * grading.smallest, 1.25 * grading.growth, np.inf)
-        up = np.concatenate([up, _graded([0.0, shape.height], [True, False], coarse)[1:]])
+        coarse = Grading(3.0 * fine, 1.25 * grading.growth, np.inf)
+        up = np.concatenate([up, _graded([0.0, shape.height], [3.0 * fine, np.inf], coarse)[1:]])
     return _product_mesh(shape, across, up)
 
 
@@ -129,27 +131,24 @@ def _with_middles(lines: FloatArray) -> FloatArray:
     return out
 
 
-def _graded(places: list[float], fine: list[bool], grading: Grading) -> FloatArray:
-    """Lines through increasing places, finest at those that are marked."""
+def _graded(places: list[float], sizes: list[float], grading: Grading) -> FloatArray:
+    """Lines through increasing places, which grow from the size of elements at each place."""
     lines = [places[0]]
-    for start, stop, fine_start, fine_stop in zip(
-        places[:-1], places[1:], fine[:-1], fine[1:], strict=True
+    for start, stop, first, last in zip(
+        places[:-1], places[1:], sizes[:-1], sizes[1:], strict=True
     ):
-        length = stop - start
-        if fine_start and fine_stop:
-            half = 0.5 * length * _shares(0.5 * length, grading)
-            lines += [*(start + half[1:-1]), 0.5 * (start + stop), *(stop - half[-2:0:-1]), stop]
-            continue
-        shares = _shares(length, grading)
-        steps = length * shares if fine_start else length * (1.0 - shares[::-1])
-        lines += [*(start + steps[1:-1]), stop]
+        steps, rest = [], stop - start
+        ends = [first, last]
+        while rest > 1e-9 * (stop - start):
+            side = 0 if ends[0] <= ends[1] else 1
+            size = min(ends[side], grading.largest)
+            steps.append((side, size))
+            ends[side] = size * grading.growth
+            rest -= size
+        lengths = np.array(
+            [size for side, size in steps if side == 0]
+            + [size for side, size in steps[::-1] if side == 1]
+        )
+        lines += list(start + (stop - start) * np.cumsum(lengths / lengths.sum()))
+        lines[-1] = stop
     return np.array(lines)
-
-
-def _shares(length: float, grading: Grading) -> FloatArray:
-    """Shares of a length from 0 to 1, whose steps grow from the smallest size."""
-    sizes = [min(grading.smallest, length)]
-    while sum(sizes) < length * (1.0 - 1e-9):
-        sizes.append(min(sizes[-1] * grading.growth, grading.largest))
-    shares = np.concatenate([[0.0], np.cumsum(sizes)])
-    return shares / shares[-1]

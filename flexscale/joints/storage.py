@@ -12,6 +12,7 @@ import tempfile
 import zipfile
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,9 @@ def keep_joint(joint: SolvedJoint) -> None:
 def write_joint(joint: SolvedJoint, folder: Path) -> Path:
     """Write a joint's file into a folder, which is made."""
     folder.mkdir(parents=True, exist_ok=True)
-    arrays = {name: np.asarray(getattr(joint, name), dtype=kind) for name, kind in _TYPES.items()}
+    arrays: dict[str, Any] = {
+        name: np.asarray(getattr(joint, name), dtype=kind) for name, kind in _TYPES.items()
+    }
     path = folder / _file_name(joint.key)
     descriptor, unfinished = tempfile.mkstemp(prefix=".joint-", suffix=".npz", dir=folder)
     try:

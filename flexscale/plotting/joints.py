@@ -59,7 +59,7 @@ def joint(joint: xr.Dataset) -> Figure:
             axes.set_xlabel(across)
             axes.set_ylabel(up)
             axes.axhline(0.0, color="0.8", linewidth=0.6, zorder=0)
-        np.ravel(figure.axes)[0].legend()
+        figure.axes[0].legend()
         add_note(figure, [_touching_note(joint), "s: the law is exact in it, no states are solved"])
     return figure
 

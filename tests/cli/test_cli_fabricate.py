@@ -117,7 +117,8 @@ def test_a_pattern_of_an_experiment_file(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("two.yaml").write_text(
-        "patterns: {one: {named: square}, other: {family: IH20, gap: 0.5}}\nnative: shell\nmesh: {along: 0.7}\n"
+        "patterns: {one: {named: square}, other: {family: IH20, gap: 0.5}}\n"
+        "native: shell\nmesh: {along: 0.7}\n"
     )
     assert call(monkeypatch, "fabricate", "two.yaml", *SMALL) == 2
     assert "two.yaml has 2 patterns: choose by --pattern: one, other." in capsys.readouterr().err

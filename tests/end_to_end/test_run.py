@@ -258,7 +258,8 @@ def hard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("hard") / "hard.yaml"
     file.write_text(
         "patterns: {square: {family: IH76}}\n"
-        "native: shell\nmesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}\n"
+        "native: shell\n"
+        "mesh: {along: 4, corner: 1, scale_size: 10, scale_layers: 1, scale_order: 1}\n"
         "solver: {max_iterations: 1}\n"
         "sweep: {sides: [closing], directions: [45], curvatures: [0, 0.1]}\n"
         "figures: [curves]\n"

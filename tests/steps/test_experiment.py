@@ -224,7 +224,7 @@ def test_family_with_parameters_and_edges() -> None:
 
 
 def test_option_blocks_take_units_and_know_what_they_mean() -> None:
-    content = SMALL | {"native": "shell", "mesh": {"along": "0.05 cm"}, "solver": {"max_iterations": 7}}
+    content = SHELL | {"mesh": {"along": "0.05 cm"}, "solver": {"max_iterations": 7}}
     experiment = parse_experiment(content, "file.yaml")
     assert experiment.mesh == MeshOptions(along=0.5)
     assert experiment.solver == SolverOptions(max_iterations=7)

@@ -20,14 +20,16 @@ if TYPE_CHECKING:
     from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
+    from flexscale.joints.library import joint_law
     from flexscale.macro.fit import fit
     from flexscale.macro.gap_model import GapModel, gap_model
     from flexscale.macro.model import MacroModel
     from flexscale.mechanics.contact_options import ContactOptions
+    from flexscale.mechanics.joint_law import JointLaw
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
     from flexscale.mesh.options import MeshOptions
-    from flexscale.patterns.material import PETG, TPU, NeoHookean
+    from flexscale.patterns.material import PETG, RIGID, TPU, NeoHookean
     from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
     from flexscale.sheets.bent_sheet import SheetOptions
@@ -45,9 +47,11 @@ provide_kernel_cache()
 
 __all__ = [
     "PETG",
+    "RIGID",
     "TPU",
     "ContactOptions",
     "GapModel",
+    "JointLaw",
     "MacroModel",
     "MeshOptions",
     "NativeModel",
@@ -65,6 +69,7 @@ __all__ = [
     "families",
     "fit",
     "gap_model",
+    "joint_law",
     "named_pattern",
     "named_patterns",
     "open_registry",
@@ -82,7 +87,9 @@ __all__ = [
 #: Public name -> module that holds it; a module itself where the two are the same thing.
 PUBLIC_HOMES = {
     "PETG": "flexscale.patterns.material",
+    "RIGID": "flexscale.patterns.material",
     "TPU": "flexscale.patterns.material",
+    "JointLaw": "flexscale.mechanics.joint_law",
     "GapModel": "flexscale.macro.gap_model",
     "MacroModel": "flexscale.macro.model",
     "MeshOptions": "flexscale.mesh.options",
@@ -101,6 +108,7 @@ PUBLIC_HOMES = {
     "contact_onset": "flexscale.datasets.onset",
     "families": "flexscale.tilings",
     "fit": "flexscale.macro.fit",
+    "joint_law": "flexscale.joints.library",
     "gap_model": "flexscale.macro.gap_model",
     "named_pattern": "flexscale.patterns.named",
     "named_patterns": "flexscale.patterns.named",

@@ -6,7 +6,7 @@ import logging
 
 import shapely
 
-from flexscale.checks import PATTERN, checked, flag, instance
+from flexscale.checks import PATTERN, checked, instance
 from flexscale.joints.compute import Progress, SolvedJoint, compute_joint
 from flexscale.joints.key import JointGroove, JointKey, joint_key
 from flexscale.joints.storage import keep_joint, load_joint
@@ -18,13 +18,11 @@ log = logging.getLogger(__name__)
 
 @checked(
     pattern=PATTERN,
-    rigid=flag,
     groove=instance("flexscale.joints.key:JointGroove", "give a JointGroove"),
 )
 def joint_law(
     pattern: Pattern,
     *,
-    rigid: bool = False,
     groove: JointGroove | None = None,
     progress: Progress | None = None,
 ) -> JointLaw:
@@ -33,7 +31,6 @@ def joint_law(
     Parameters
     ----------
     pattern : its gap, thickness, scale height and materials count.
-    rigid : whether the scales are rigid, or elastic in their rims.
     groove : of the sheet under every scale; None for a plain base.
     progress : called with how many of how many ways of states are done, while it is computed.
 
@@ -41,16 +38,14 @@ def joint_law(
     ------
     PatternError : sizes for which no joint can be computed.
     """
-    key = pattern_key(pattern, rigid=rigid, groove=groove)
+    key = pattern_key(pattern, groove)
     return solved_joint(key, progress).law(
         pattern.substrate_thickness, pattern.substrate_material.young_modulus
     )
 
 
-def pattern_key(
-    pattern: Pattern, *, rigid: bool = False, groove: JointGroove | None = None
-) -> JointKey:
-    """Key of a pattern's joints.
+def pattern_key(pattern: Pattern, groove: JointGroove | None = None) -> JointKey:
+    """Key of a pattern's joints, whose scales deform in their rims unless their material is rigid.
 
     Raises
     ------
@@ -61,7 +56,7 @@ def pattern_key(
         pattern.substrate_thickness,
         pattern.scale_height,
         pattern.substrate_material,
-        None if rigid else pattern.scale_material,
+        None if pattern.scale_material.is_rigid else pattern.scale_material,
         groove,
         half_width(pattern),
     )

@@ -1,6 +1,6 @@
 """Scale patterns: polygons on a lattice, gap, sizes and materials."""
 
-from flexscale.patterns.material import PETG, TPU, NeoHookean
+from flexscale.patterns.material import PETG, RIGID, TPU, NeoHookean
 from flexscale.patterns.named import NamedPattern, named_pattern, named_patterns
 from flexscale.patterns.pattern import Pattern
 from flexscale.patterns.prototiles import Prototile, TileCopy
@@ -8,6 +8,7 @@ from flexscale.patterns.symmetry import Isometry
 
 __all__ = [
     "PETG",
+    "RIGID",
     "TPU",
     "Isometry",
     "NamedPattern",

@@ -39,6 +39,11 @@ class NeoHookean:
         return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     @property
+    def is_rigid(self) -> bool:
+        """Whether it stands for a body that does not deform: as stiff as a material may be."""
+        return self.young_modulus >= MODULI[1]
+
+    @property
     def lame_lambda(self) -> float:
         """First Lamé constant λ, MPa."""
         ratio = self.poisson_ratio
@@ -58,3 +63,5 @@ def warn_of_soft_scales(scales: NeoHookean, substrate: NeoHookean) -> None:
 
 PETG = NeoHookean(young_modulus=2020.0, poisson_ratio=0.35)
 TPU = NeoHookean(young_modulus=26.0, poisson_ratio=0.48)
+#: Scales that do not deform at all.
+RIGID = NeoHookean(young_modulus=MODULI[1], poisson_ratio=0.35)

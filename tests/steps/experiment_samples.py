@@ -15,6 +15,7 @@ SMALL: dict[str, Any] = {
     "patterns": {"tiles": {"family": "IH76"}},
     "sweep": {"directions": [0, 45], "curvatures": [0, 0.001]},
 }
+SHELL: dict[str, Any] = SMALL | {"native": "shell"}
 FITTED: dict[str, Any] = SMALL | {
     "sweep": {
         "directions": {"start": 0, "stop": 180, "step": 15},

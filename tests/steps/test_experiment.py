@@ -26,7 +26,7 @@ from flexscale.steps.option_blocks import option_fields
 from flexscale.steps.plan import build_plan
 from flexscale.steps.summary import describe_experiment
 from flexscale.units import LENGTHS
-from tests.steps.experiment_samples import SMALL, changed, message_of
+from tests.steps.experiment_samples import SHELL, SMALL, changed, message_of
 
 QUICKSTART = Path(__file__).parents[2] / "workflows" / "quickstart.yaml"
 

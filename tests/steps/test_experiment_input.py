@@ -12,7 +12,7 @@ from flexscale.patterns.pattern import Pattern
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
 from flexscale.tilings import Tiling
-from tests.steps.experiment_samples import FITTED, SMALL, changed, message_of
+from tests.steps.experiment_samples import FITTED, SHELL, SMALL, changed, message_of
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -19,8 +21,11 @@ from flexscale.steps.step import Resources
 PATTERNS = {"patterns": {"square": {"named": "square"}}}
 
 
-def made(block: dict[str, object]) -> xr.Dataset:
-    jobs = {job.step: job for job in build_plan(parse_experiment(PATTERNS | {"joint": block}, ""))}
+def made(block: dict[str, object], **sizes: object) -> xr.Dataset:
+    content = copy.deepcopy(PATTERNS | {"joint": block})
+    for pattern in content["patterns"].values():
+        pattern.update(sizes)
+    jobs = {job.step: job for job in build_plan(parse_experiment(content, ""))}
     step = STEPS["joint"]
     return step.compute(step.task(jobs["joint"].recipe.parameters), {}, Resources())
 
@@ -46,7 +51,7 @@ def test_a_dataset_holds_the_law_and_the_states(dataset: xr.Dataset) -> None:
 
 
 def test_rigid_scales_and_grooves_are_other_joints(dataset: xr.Dataset) -> None:
-    rigid = made({"rigid": True})
+    rigid = made({}, scale_material="RIGID")
     assert "modulus_ratio" not in rigid
     softer = float(dataset["stiffness"][0, 0])
     assert float(rigid["stiffness"][0, 0]) > softer
@@ -58,7 +63,7 @@ def test_rigid_scales_and_grooves_are_other_joints(dataset: xr.Dataset) -> None:
 def test_the_recipe_has_no_options_of_a_native_model() -> None:
     jobs = build_plan(parse_experiment(PATTERNS | {"joint": {}}, "file"))
     (job,) = (job for job in jobs if job.step == "joint")
-    assert set(job.recipe.parameters) == {"pattern", "rigid", "groove"}
+    assert set(job.recipe.parameters) == {"pattern", "groove"}
     assert job.inputs == ()
 
 

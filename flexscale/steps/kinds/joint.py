@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 class JointBlock(StepBlock):
     """Law of the joints between scales: energy per length of their relative pose."""
 
-    rigid: bool = declared(False, "scales do not deform; false for elastic rims")
     groove: bool = declared(False, "the sheet has the grooves that `flexscale fabricate` cuts")
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
@@ -32,7 +31,7 @@ class JointBlock(StepBlock):
         from flexscale.joints.key import JointGroove
         from flexscale.joints.library import pattern_key
 
-        return pattern_key(pattern, rigid=self.rigid, groove=JointGroove() if self.groove else None)
+        return pattern_key(pattern, JointGroove() if self.groove else None)
 
 
 def compute(
@@ -85,6 +84,7 @@ JOINT = Step(
     "law of the joints between scales; {} for defaults",
     compute,
     native=(),
+    implied=True,
     figures=(
         Figure(
             "joint",

@@ -27,7 +27,7 @@ from flexscale.mechanics.jets import add_product, add_scaled, compose, constant,
 
 N_VARIABLES = 16
 OF_A, OF_B, OF_S, OF_KAPPA = 0, 6, 12, 15
-_SMALL = 1e-2  # of the squared turn, below which functions of it are summed as series
+_SMALL, _TERMS = 1.0, 14  # squared turn below which functions of it are series of so many terms
 
 
 @njit(cache=True)
@@ -41,7 +41,7 @@ def turn_functions(s: float, out: FloatArray) -> None:
         for k in range(3):  # sum over m of (-s)^m / (2 m + 1 + k)!
             factor = 1.0 if k < 2 else 0.5
             factor = factor / 3.0 if k == 2 else (factor / 2.0 if k == 1 else factor)
-            for m in range(8):
+            for m in range(_TERMS):
                 out[k, 0] += factor * s**m
                 if m > 0:
                     out[k, 1] += factor * m * s ** (m - 1)

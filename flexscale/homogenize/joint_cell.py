@@ -73,6 +73,7 @@ class JointCell:
     part_names : names of the energy parts.
     area : rest area, mm2.
     system : factorizes the Hessian.
+    rows, columns : (nnz,) of the values of its upper triangle.
     """
 
     def __init__(self, pattern: Pattern, law: JointLaw, native: NativeModel) -> None:
@@ -137,7 +138,7 @@ class JointCell:
         diagonal = np.arange(n)
         keys = np.unique(np.concatenate([first[kept] * n + second[kept], diagonal * n + diagonal]))
         indptr = np.searchsorted(keys, np.arange(n + 1) * n)
-        self._n_values = len(keys)
+        self.rows, self.columns = np.divmod(keys, n)
         self._slots = np.full(first.shape, -1, dtype=np.int64)
         self._slots[kept] = np.searchsorted(keys, first[kept] * n + second[kept])
         factorization = build_factorization(indptr, keys % n, self.native.solver.linear_solver)
@@ -281,7 +282,7 @@ class BentJoints:
 
     def hessian_values(self, state: JointState, project: str = NOTHING) -> FloatArray:
         """(nnz,) upper triangle of d2E/dz2; `project` replaces parts by their positive part."""
-        values = np.zeros(self.problem._n_values)
+        values = np.zeros(len(self.problem.rows))
         add_blocks(self.blocks(state, project), self.problem._slots, values)
         return values
 

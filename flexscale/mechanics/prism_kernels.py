@@ -242,12 +242,12 @@ def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps:
     stop, done = 0.1 * distance, 0.0
     step = _SHARE * distance / speed
     for _ in range(most_steps):
+        distance = np.sqrt(nearest(is_wall, start + (done + step) * way, shares)[0])
+        if done > 0.0 and distance < stop:
+            return done
         done += step
         if done >= 1.0:
             return 1.0
-        distance = np.sqrt(nearest(is_wall, start + done * way, shares)[0])
-        if distance < stop:
-            return done - step
         step = _SHARE * distance / speed
     return done
 

@@ -1,0 +1,167 @@
+"""Contact of prisms: distances by type against another computation, derivatives, way lengths."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
+
+from flexscale.mechanics.jets import jet_size
+from flexscale.mechanics.prism_contact import PrismContact, find_prism_rows
+from flexscale.mechanics.prism_kernels import N, barrier_jet, energy_of, free_share_of, nearest
+from tests.derivatives import directional_difference, relative_error
+
+SQUARE = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
+
+
+def candidate(seed: int, is_wall: bool) -> np.ndarray:
+    """(4, 3) rows: a point near a unit wall, or two edges, some of them almost parallel."""
+    generator = np.random.default_rng(seed)
+    if is_wall:
+        point = [*generator.uniform(-0.5, 1.5, 2), generator.uniform(0.05, 0.3)]
+        rows = np.array([point, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    else:
+        rows = 0.5 * generator.normal(size=(4, 3))
+        if seed % 3 == 0:
+            rows[3] = rows[2] + rows[1] - rows[0] + 0.01 * generator.normal(size=3)
+    return rows @ Rotation.random(random_state=seed).as_matrix().T
+
+
+@pytest.mark.parametrize("is_wall", [True, False])
+def test_distances_are_those_of_the_nearest_points(is_wall: bool) -> None:
+    for seed in range(40):
+        x = candidate(seed, is_wall)
+
+        def squared(p: np.ndarray, x: np.ndarray = x) -> float:
+            if is_wall:
+                arrow = x[0] - x[1] - p[0] * (x[2] - x[1]) - p[1] * (x[3] - x[1])
+            else:
+                arrow = x[0] + p[0] * (x[1] - x[0]) - x[2] - p[1] * (x[3] - x[2])
+            return float(arrow @ arrow)
+
+        found = min(
+            minimize(squared, start, bounds=[(0.0, 1.0)] * 2, tol=1e-14).fun
+            for start in ((0.5, 0.5), (0.0, 1.0), (1.0, 0.0))
+        )
+        assert nearest(is_wall, x, np.empty(4))[0] == pytest.approx(found, rel=1e-6)
+
+
+@pytest.mark.parametrize("is_wall", [True, False])
+def test_barrier_has_exact_derivatives(is_wall: bool) -> None:
+    size = jet_size(N)
+    work, out = np.empty((16, size)), np.empty(size)
+
+    def jet(y: np.ndarray, d_hat: float) -> np.ndarray:
+        assert barrier_jet(is_wall, y.reshape(4, 3), d_hat, work, out)
+        return out.copy()
+
+    def check(seed: int) -> int:
+        x, generator = candidate(seed, is_wall), np.random.default_rng(seed)
+        way, (squared, code) = generator.normal(size=N), nearest(is_wall, x, np.empty(4))
+        d_hat, step = 2.0 * squared, 1e-4 * np.sqrt(squared)
+        here = jet(x.ravel(), d_hat)
+        slope = directional_difference(
+            lambda s: energy_of(is_wall, (x.ravel() + s * way).reshape(4, 3), d_hat, np.empty(4)),
+            step,
+        )
+        assert abs(here[1 : 1 + N] @ way - slope) < 1e-6 * np.linalg.norm(here[1 : 1 + N])
+        bend = directional_difference(lambda s: jet(x.ravel() + s * way, d_hat)[1 : 1 + N], step)
+        product = here[1 + N :].reshape(N, N) @ way
+        assert np.linalg.norm(product - bend) < 1e-5 * np.linalg.norm(here[1 + N :])
+        return code
+
+    # Every type of nearest points is met.
+    assert {check(seed) for seed in range(60)} >= {0, 1, 2 if is_wall else 3}
+
+
+def test_nothing_passes_through_on_the_free_part_of_a_way() -> None:
+    for seed in range(30):
+        x = candidate(seed, True)
+        end = x.copy()
+        normal = np.cross(x[2] - x[1], x[3] - x[1])
+        end[0] -= 2.0 * normal * np.sign(normal @ (x[0] - x[1]))  # to the other side of the plane
+        share = free_share_of(True, x, end, 10_000)
+        before = nearest(True, x, np.empty(4))[0]
+        along = [nearest(True, x + s * share * (end - x), np.empty(4))[0]
+                 for s in np.linspace(0.0, 1.0, 200)]  # fmt: skip
+        assert min(along) > 0.0
+        inside = nearest(True, x + 1e-9 * (end - x), np.empty(4))[1] == 2
+        if inside:  # the corner is before the wall, and would go through it
+            assert share < 1.0
+            assert along[-1] < 0.5**2 * before
+
+
+def build() -> tuple[PrismContact, np.ndarray]:
+    """Two squares 0.4 mm apart, and the rows of their corners at rest."""
+    way = np.array([[10.4, 0.0]])
+    rows = find_prism_rows([SQUARE], [(0, 0)], way, (0.2, 4.2), 2.0)
+    y = rows.rest + np.where(rows.second[:, None], [10.4, 0.0, 0.0], 0.0)
+    return PrismContact(rows, 0.1, 3.0), y
+
+
+def test_only_features_within_reach_can_meet() -> None:
+    contact, y = build()
+    rows = contact.rows
+    near = np.isin(y[:, 0], (5.0, 5.4))  # on the sides that face one another
+    for stencil in rows.stencils:
+        assert near[stencil[~rows.second[stencil]]].any()
+        assert near[stencil[rows.second[stencil]]].any()
+    assert rows.walls == 16  # four corners, base and top, before a front and a side wall each
+    assert contact.smallest_distance(y, 1.0) == pytest.approx(0.4)
+    assert contact.smallest_distance(y, 0.3) == np.inf
+    assert contact.active_pairs(y) == 0
+    assert contact.energy_parts(y)[0] == 0.0
+
+
+def test_the_energy_has_the_mirror_symmetry_of_the_prisms() -> None:
+    """Tops that close, the second turned about the joint and a little about the vertical."""
+    contact, y = build()
+    second = contact.rows.second
+    energies, forces = [], []
+    for sign in (1.0, -1.0):
+        moved = y.copy()
+        turn = Rotation.from_euler("yz", [-0.082, 2e-4 * sign]).as_matrix()
+        center = np.array([5.4, 0.0, 0.2])
+        moved[second] = (y[second] - center) @ turn.T + center
+        energies.append(contact.energy_parts(moved)[0])
+        slope = np.zeros_like(moved)
+        contact.add_gradient(moved, slope)
+        forces.append(slope[second].sum(axis=0))
+    assert energies[0] > 0.0
+    assert energies[1] == pytest.approx(energies[0], rel=1e-9)
+    assert forces[1] == pytest.approx(forces[0] * [1.0, -1.0, 1.0], rel=1e-6)
+
+
+def test_gradient_and_blocks_of_all_that_meets() -> None:
+    contact, rest = build()
+    second = contact.rows.second
+    turn, shift = np.array([0.3, -1.0, 0.7]), np.array([-0.5, 0.4, 0.9])
+
+    def moved(s: float) -> np.ndarray:
+        """The second square at a small distance from the first, on a rigid way."""
+        y, angles = rest.copy(), 1e-3 * np.array([1.0, 2.0, 3.0]) + s * turn
+        arms = rest[second] - [5.4, 0.0, 0.2]
+        rotated = arms @ Rotation.from_rotvec(angles).as_matrix().T
+        y[second] = rotated + [5.4 - 0.34, 0.01, 0.203] + s * shift
+        return y
+
+    y, way = moved(0.0), directional_difference(moved, 1e-4)
+    assert contact.active_pairs(y) > 4
+    gradient = np.zeros_like(y)
+    contact.add_gradient(y, gradient)
+    slope = directional_difference(lambda s: contact.energy_parts(moved(s))[0], 1e-5)
+    assert relative_error(np.sum(gradient * way), slope) < 1e-7
+    pairs, blocks = contact.pair_blocks(y)
+    product = np.zeros_like(y)
+    for (a, b), block in zip(pairs, blocks, strict=True):
+        product[a] += block @ way[b]
+        if a != b:
+            product[b] += block.T @ way[a]
+
+    def gradient_at(s: float) -> np.ndarray:
+        out = np.zeros_like(y)
+        contact.add_gradient(moved(s), out)
+        return out
+
+    assert relative_error(product, directional_difference(gradient_at, 1e-5)) < 1e-6

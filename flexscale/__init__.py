@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
     from flexscale.mesh.options import MeshOptions
-    from flexscale.patterns.material import PETG, RIGID, TPU, NeoHookean
+    from flexscale.patterns.material import PETG, RIGID, TPU, TPU_MEASURED, NeoHookean
     from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
     from flexscale.sheets.bent_sheet import SheetOptions
@@ -49,6 +49,7 @@ __all__ = [
     "PETG",
     "RIGID",
     "TPU",
+    "TPU_MEASURED",
     "ContactOptions",
     "GapModel",
     "JointLaw",
@@ -89,6 +90,7 @@ PUBLIC_HOMES = {
     "PETG": "flexscale.patterns.material",
     "RIGID": "flexscale.patterns.material",
     "TPU": "flexscale.patterns.material",
+    "TPU_MEASURED": "flexscale.patterns.material",
     "JointLaw": "flexscale.mechanics.joint_law",
     "GapModel": "flexscale.macro.gap_model",
     "MacroModel": "flexscale.macro.model",

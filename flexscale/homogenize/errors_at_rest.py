@@ -18,6 +18,7 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import Pattern
+from flexscale.patterns.material import modulus_band
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,6 +70,12 @@ def note_errors(
         dataset.attrs["mesh_error_comment"] = (
             "estimated relative error of the flat cell's bending stiffness in the worst direction, "
             "from elements twice as large; in contact errors are up to a few times that"
+        )
+    band = modulus_band(pattern.substrate_material)
+    if band is not None:
+        dataset.attrs["force_band"] = (
+            f"forces and energies scale with Young's modulus of the sheet, whose measured values "
+            f"lie from {band[0]:.2f} to {band[1]:.2f} of the one taken here; onsets do not change"
         )
     if problem.doubts:
         dataset.attrs["doubts"] = "; ".join(problem.doubts)

@@ -3,8 +3,8 @@
 The scales of two tiles that share an edge face one another across the gap. A scale ends short of
 the tiling's vertex, by half the gap over the tangent of half its angle there: at sharp tips its
 walls end far from the vertex, and what of the sheet lies beyond is strained little. A joint
-therefore runs where both walls face one another, and beyond by `END_SHARE` of the gap at either
-end, but not past the vertex.
+therefore runs where both walls face one another, and beyond towards a vertex at a distance d by
+d / (1 + d / l), where l is `END_LENGTH` of the gap: by almost all of a short way, and by l at most.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from flexscale.errors import PatternError
 from flexscale.patterns.outlines import inset_edges
 from flexscale.patterns.pattern import Pattern
 
-#: Of the gap, by which a joint goes on beyond where walls face one another.
-END_SHARE = 0.9
+#: Of the gap, by which a joint goes on at most beyond where walls face one another.
+END_LENGTH = 0.8
 _MOST, _FEWEST = 6, 2  # stations on a straight piece: exact for polynomials of degree 11 and 3
 _SAME = 1e-6  # of the cell, between midpoints of one edge as an edge of two tiles
 
@@ -53,12 +53,12 @@ class Joint:
         return Joint(self.second, self.first, (-m, -n), self.points, -self.normals, self.weights)
 
 
-def find_joints(pattern: Pattern, end_share: float = END_SHARE) -> list[Joint]:
+def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]:
     """All joints of one lattice cell, one for each two scales that share edges.
 
     Parameters
     ----------
-    end_share : of the gap, see `END_SHARE`.
+    end_length : of the gap, see `END_LENGTH`.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def find_joints(pattern: Pattern, end_share: float = END_SHARE) -> list[Joint]:
             here = [facing[a][k] for k in run]
             there = [facing[b][partner[edges[k]] - start[b]] for k in run]
             corners = np.array([[tile[k], tile[(k + 1) % len(tile)]] for k in run])
-            part = _stations(corners, here, there, pattern.gap, end_share)
+            part = _stations(corners, here, there, pattern.gap, end_length)
             if part is not None:
                 found.setdefault((a, b, (m, n)), []).append(part)
     joints = []
@@ -129,12 +129,17 @@ def _runs(keys: list[tuple[int, int, int]]) -> list[list[int]]:
     return [[k % n for k in range(begin, end)] for begin, end in pairwise([*breaks, breaks[0] + n])]
 
 
+def _extension(distance: float, length: float) -> float:
+    """By how much a joint goes on towards a vertex at a distance, mm."""
+    return max(distance, 0.0) / (1.0 + max(distance, 0.0) / length)
+
+
 def _stations(
     corners: FloatArray,
     here: list[FloatArray],
     there: list[FloatArray],
     gap: float,
-    end_share: float,
+    end_length: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Points, normals and weights on a run of edges (n, 2, 2); None where no walls face."""
     along = corners[:, 1] - corners[:, 0]
@@ -150,8 +155,9 @@ def _stations(
     both = high > low
     if not both.any():
         return None
-    first = max((starts[:-1] + low)[both].min() - end_share * gap, 0.0)
-    last = min((starts[:-1] + high)[both].max() + end_share * gap, starts[-1])
+    first, last = (starts[:-1] + low)[both].min(), (starts[:-1] + high)[both].max()
+    first -= _extension(first, end_length * gap)
+    last += _extension(starts[-1] - last, end_length * gap)
     points, normals, weights = [], [], []
     for k, length in enumerate(lengths):
         begin, end = max(first - starts[k], 0.0), min(last - starts[k], length)

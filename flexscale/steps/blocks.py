@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from flexscale.checks import length
 from flexscale.errors import UnknownNameError, shown, suggest
-from flexscale.patterns.material import PETG, RIGID, TPU, NeoHookean
+from flexscale.patterns.material import PETG, RIGID, TPU, TPU_MEASURED, NeoHookean
 from flexscale.patterns.named import find_named_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.quantities import declared, series, several, unit, within
@@ -37,7 +37,7 @@ Directions = Annotated[tuple[Direction, ...], series("degree")]
 Curvatures = Annotated[tuple[Curvature, ...], series("mm-1")]
 Side = Literal["closing", "opening"]
 
-MATERIALS = {"PETG": PETG, "RIGID": RIGID, "TPU": TPU}
+MATERIALS = {"PETG": PETG, "RIGID": RIGID, "TPU": TPU, "TPU_MEASURED": TPU_MEASURED}
 _NAMES = " or ".join(MATERIALS)
 
 

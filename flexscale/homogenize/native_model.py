@@ -13,9 +13,10 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.solid_options import SolidOptions
 from flexscale.solve.solver_options import SolverOptions
 
-NATIVE_MODELS = ("shell",)
+NATIVE_MODELS = ("shell", "solid")
 
 
 @checked(
@@ -25,6 +26,7 @@ NATIVE_MODELS = ("shell",)
     scales=checks.SCALES,
     contact=checks.CONTACT,
     solver=checks.SOLVER,
+    solid=checks.SOLID,
 )
 @dataclass(frozen=True)
 class NativeModel:
@@ -32,12 +34,15 @@ class NativeModel:
 
     Attributes
     ----------
-    name : "shell", the paper's: a shell in the gaps, clamped to scales of finite elements.
+    name : "shell", the paper's: a shell in the gaps, clamped to scales of finite elements; or
+        "solid": a solid everywhere, bonded to the scales' bases. Slow, and what others are held
+        against.
     mesh : element sizes.
-    substrate : elements of the substrate.
+    substrate : elements of the substrate, if it is a shell.
     scales : how scales are modeled.
     contact : how scales touch.
     solver : how equilibria are sought.
+    solid : how the substrate is graded, if it is a solid.
     """
 
     name: str = "shell"
@@ -46,6 +51,12 @@ class NativeModel:
     scales: ScaleOptions = field(default_factory=ScaleOptions)
     contact: ContactOptions = field(default_factory=ContactOptions)
     solver: SolverOptions = field(default_factory=SolverOptions)
+    solid: SolidOptions = field(default_factory=SolidOptions)
+
+    @property
+    def solid_options(self) -> SolidOptions | None:
+        """How a solid substrate is graded; None for a shell."""
+        return self.solid if self.name == "solid" else None
 
     @property
     def without_contact(self) -> NativeModel:

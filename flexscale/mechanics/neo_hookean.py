@@ -172,6 +172,9 @@ class NeoHookeanTets:
     ) -> None:
         order = 2 if tets.shape[1] == 10 else 1
         self.gradients, self.weights = _shape_gradients(rest_positions[tets[:, :4]], order)
+        self._set(vectors, shear_modulus, lame_lambda)
+
+    def _set(self, vectors: IntArray, shear_modulus: float, lame_lambda: float) -> None:
         self.vectors = np.ascontiguousarray(vectors, dtype=np.int64)
         self.shear_modulus = float(shear_modulus)
         self.lame_lambda = float(lame_lambda)

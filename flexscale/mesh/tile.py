@@ -81,6 +81,7 @@ def build_tile_mesh(
     scale_height: float,
     options: MeshOptions,
     tips: TipSizes = NO_TIPS,
+    under_scale: MeshOptions | None = None,
 ) -> TileMesh:
     """Mesh a prototile with all the symmetry it has.
 
@@ -88,13 +89,20 @@ def build_tile_mesh(
     ----------
     gap, scale_height : mm.
     tips : of the whole pattern, from `find_tip_sizes`.
+    under_scale : sizes of the sheet under the scale, as of a scale's base, where the sheet deforms
+        there; if not given, it is filled from the outline inward.
     """
     ring = _build_ring(prototile, gap, options, tips)
     outline = ring.points[ring.outline_nodes]
     center = prototile.polygon.mean(axis=0)
     region = make_region([outline], prototile.stabiliser, center, True)
-    extent = float(np.ptp(outline, axis=0).max())
-    under = fill_region(region, extent, options.growth)
+    if under_scale is None:
+        extent = float(np.ptp(outline, axis=0).max())
+        under = fill_region(region, extent, options.growth)
+    else:
+        kinks = np.isin(np.arange(len(outline)), ring.kinks)
+        whole = Row(outline, kinks, in_first_half(ring.along))
+        under = build_base(whole, prototile.stabiliser, center, under_scale)
     kinks = np.isin(ring.coarse, ring.kinks)
     row = Row(outline[ring.coarse], kinks, in_first_half(ring.along[ring.coarse]))
     base = build_base(row, prototile.stabiliser, center, options)

@@ -59,7 +59,7 @@ def build_mesh(
         options = solid.in_plane(options, pattern.gap)
         under_scales = solid.under_scales(options, pattern.substrate_thickness)
     require_moderate_mesh(pattern, options)
-    tips = find_tip_sizes(pattern.prototiles, pattern.gap, options)
+    tips = find_tip_sizes(pattern.prototiles, pattern.gap, options, solid is not None)
     meshes = [
         build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options, tips, under_scales)
         for prototile in pattern.prototiles

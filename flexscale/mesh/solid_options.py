@@ -12,7 +12,7 @@ from flexscale.errors import MeshError
 from flexscale.mesh.options import MOST_GROWTH, MeshOptions
 
 MOST_ROWS = 32  # across half a gap, or layers, or strips
-STRIPS_REACH = 3.0  # thicknesses, from the outline inward: deeper, the sheet does not strain
+STRIPS_REACH = 2.0  # thicknesses, from the outline inward: deeper, the sheet hardly strains
 
 
 @checked(

@@ -66,9 +66,12 @@ class NativeModel:
     def to_config(self, *parts: str) -> dict[str, Any]:
         """Plain numbers and text by part, `parts` alone if given; `from_config` is the inverse.
 
-        The name is left out: there is one model yet.
+        A shell's has neither its name nor what it does not use, as before there were others.
         """
-        return {part: getattr(self, part).to_config() for part in parts or PARTS}
+        named = {} if self.name == "shell" else {"native": self.name}
+        asked = [part for part in parts or PARTS if part != "solid"]
+        used = asked if self.solid_options is None else [*asked, "solid"]
+        return named | {part: getattr(self, part).to_config() for part in used}
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> NativeModel:
@@ -82,7 +85,9 @@ class NativeModel:
             raise ConfigError(
                 f"A native model's configuration must be a dict, not {shown(config)}."
             )
-        parts = {}
+        parts: dict[str, Any] = {}
+        if "native" in config:
+            parts["name"] = config["native"]
         for part in PARTS:
             if part in config:
                 try:
@@ -117,8 +122,13 @@ def require_finite_sheet(model: NativeModel) -> None:
 
     Raises
     ------
-    ConfigError : scales or a substrate that only a periodic cell has.
+    ConfigError : a model, scales or a substrate that only a periodic cell has.
     """
+    if model.name != "shell":
+        raise ConfigError(
+            f"A native sheet or stage is a shell, not a {model.name!r}: leave the native model at "
+            "'shell'."
+        )
     if model.scales.model != "modes":
         raise ConfigError(
             f"A native sheet or stage has scales of few modes, not {model.scales.model!r}: leave "

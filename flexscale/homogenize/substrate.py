@@ -15,6 +15,25 @@ from flexscale.mechanics.shell import HctShell
 from flexscale.mechanics.substrate_options import DEFAULT_MEASURE
 from flexscale.mesh.layers import build_layers, layer_levels
 from flexscale.mesh.periodic_mesh import PeriodicMesh
+from flexscale.system_failures import require_memory
+
+#: GB of a cell of n unknowns and rigid scales: a + b n^c, from 3e4 to 2e5 of them.
+_MEMORY = (0.35, 3.7e-7, 1.33)
+_ELASTIC = 1.6  # times as much with scales of several hundred modes
+
+
+def _require_memory(n_unknowns: int, model: CellModel) -> None:
+    """Refuse a solid that the memory does not suffice for, before it is built."""
+    a, b, c = _MEMORY
+    needed = a + b * n_unknowns**c
+    needed *= 1.0 if model.scales.model == "rigid" else _ELASTIC
+    assert model.solid is not None
+    require_memory(
+        needed,
+        f"The cell of a solid substrate with {n_unknowns:.2g} unknowns",
+        f"give a larger solid option `edge` (now {model.solid.edge:g} mm) or `growth` (now "
+        f"{model.solid.growth:g}), or larger mesh options `along` and `corner`",
+    )
 
 
 def build_embedding(
@@ -24,7 +43,9 @@ def build_embedding(
     if model.solid is not None:
         thickness, solid = model.substrate_thickness, model.solid
         heights = layer_levels(thickness, solid.n_rows(thickness), solid.growth)
-        return SolidCell(mesh, build_layers(mesh, heights), contact_edge, tets)
+        layers = build_layers(mesh, heights)
+        _require_memory(layers.n_unknowns, model)
+        return SolidCell(mesh, layers, contact_edge, tets)
     if model.substrate.element == "c1":
         return C1Cell(mesh, model.bond_radius, contact_edge, tets)
     return EdgeAngleCell(mesh, model.bond_radius, contact_edge, tets)

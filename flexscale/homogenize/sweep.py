@@ -89,7 +89,8 @@ def sweep(
     model : the native model, or the name of one with its default options.
     symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
         sample in another as a check; False solves all.
-    workers : processes, each with one thread; as many as there are cores if not given.
+    workers : processes, each with one thread; if not given as many as there are cores, and one for
+        the solid.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted sweep.
     on_sample : called in this process as samples finish.
 
@@ -116,7 +117,9 @@ def sweep(
     if check is not None:
         lines.append(check)
     problem = CellProblem.from_pattern(pattern, native)
-    workers = min(workers or os.cpu_count() or 1, len(lines))
+    # Each process holds a cell of its own, and a solid one takes gigabytes.
+    most = 1 if native.solid_options else os.cpu_count() or 1
+    workers = min(workers or most, len(lines))
     # This compiles and caches the kernels, too, before processes start.
     mesh_error = estimate_mesh_error(pattern, native.mesh, problem.model, solve_tangent(problem))
     if workers > 1:

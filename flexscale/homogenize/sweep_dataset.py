@@ -49,7 +49,8 @@ def build_dataset_of(
         return out
 
     reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")
-    names: tuple[str, ...] = ("membrane", "bending", "scales")
+    solid = options.get("native") == "solid"
+    names: tuple[str, ...] = ("solid", "scales") if solid else ("membrane", "bending", "scales")
     counts: tuple[str, ...] = ("newton_iterations", "negative_eigenvalues", "saddles_left")
     if options["contact"]["enabled"]:
         names += ("contact",)
@@ -57,6 +58,9 @@ def build_dataset_of(
         counts += ("contact_pairs",)
     parts = tuple(f"energy_density_{name}" for name in names)
     arrays: dict[str, Any] = {name: array(name, np.nan) for name in (*reals, *parts)}
+    if solid:  # its energy is all of stretching
+        whole = arrays.pop("energy_density_solid")
+        arrays |= {"energy_density_membrane": whole, "energy_density_bending": 0.0 * whole}
     stretch = array("stretch", np.nan, extra=(3,))
     for j, source in enumerate(sources):
         stretch[:, j] = turn_stretch(stretch[:, j], source.turn)

@@ -89,7 +89,7 @@ class NeoHookeanWedges(NeoHookeanTets):
     shear_modulus, lame_lambda : MPa.
     """
 
-    part_names = ("solid",)
+    part_names: tuple[str, ...] = ("solid",)
 
     def __init__(
         self,

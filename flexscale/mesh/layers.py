@@ -49,9 +49,10 @@ class Layers:
         return len(self.heights) // 2
 
     @property
-    def n_nodes(self) -> int:
-        """Nodes in all."""
-        return self.n_plane * len(self.heights)
+    def n_unknowns(self) -> int:
+        """Three of every node that is not bonded to a scale."""
+        n_bonded = int(np.count_nonzero(self.plane_scale >= 0))
+        return 3 * (self.n_plane * len(self.heights) - n_bonded)
 
 
 def layer_levels(thickness: float, n_layers: int, growth: float) -> FloatArray:

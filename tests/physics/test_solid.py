@@ -54,7 +54,7 @@ def test_derivatives_match_differences() -> None:
     n = len(problem.active)
     z = problem.embedding.rest.copy()
     z[problem.active] += 1e-3 * generator.normal(size=n)
-    bend, along = Bend(0.01, 0.4), generator.normal(size=n)
+    bend, along = Bend(0.002, 0.4), generator.normal(size=n)
     cell, step = problem.bent(bend), 1e-6
 
     def moved(s: float, curvature: float = 0.0):
@@ -141,4 +141,6 @@ def test_what_the_memory_does_not_hold_is_refused(monkeypatch: pytest.MonkeyPatc
 
 def test_finite_sheets_are_shells() -> None:
     with pytest.raises(fs.errors.ConfigError, match="is a shell, not a 'solid'"):
-        fs.simulate_native_sheet(square(), 30.0, 30.0, 0.0, (0.001,), model=COARSE)
+        fs.simulate_native_sheet(
+            square(), length=30.0, width=30.0, curvatures=(0.001,), model=COARSE
+        )

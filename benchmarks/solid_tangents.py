@@ -58,7 +58,7 @@ def solve(name: str, scales: str, edge: float, growth: float, along: float, corn
         "growth": growth,
         "along": along,
         "corner": corner,
-        "layers": problem.embedding.inner.layers.n_layers,
+        "layers": native.solid.n_rows(named_pattern(name).substrate_thickness),
         "n_scales": problem.mesh.n_scales,
         "n_unknowns": len(problem.active),
         "matrix": tangent.matrix.tolist(),
@@ -72,10 +72,10 @@ def solve(name: str, scales: str, edge: float, growth: float, along: float, corn
 def jobs() -> list[tuple]:
     """All solves, those of the first patterns first."""
     names = [*FIRST, *(p.name for p in named_patterns() if p.name not in FIRST)]
-    found = []
+    found = [("square", scales, *SHARE) for scales in ("rigid", "tets")]
     for part in (names[:6], names[6:]):
         found += [(n, "rigid", *sizes) for n in part for sizes in PAIR]
-    for scales in ("rigid", "modes"):
+    for scales in ("rigid", "tets"):
         found += [(n, scales, *SHARE) for n in names]
     return found
 
@@ -110,7 +110,7 @@ def rows(done: dict[Key, dict[str, Any]]) -> list[list[str]]:
         unit = plate_stiffness(pattern.substrate_material, pattern.substrate_thickness)
         rigid = np.asarray(TangentStiffness(matrix, matrix).stiffness(DIRECTIONS)) / unit
         found.append([name, "rigid", *(f"{value:.4g}" for value in rigid)])
-        keys = [(name, scales, *SHARE) for scales in ("modes", "rigid")]
+        keys = [(name, scales, *SHARE) for scales in ("tets", "rigid")]
         if all(key in done for key in keys):
             elastic, stiff = (
                 np.asarray(

@@ -32,7 +32,7 @@ from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import NeoHookean
 from flexscale.solve.linear import build_factorization
 
-_PULLED = 2.0  # thicknesses, from the outline inward, in which a solid sheet pulls at the base
+_PULLED = 1.0  # thickness, from the outline inward, in which a solid sheet pulls at the base
 _AT_ONCE = 64  # loads that are solved for together
 _CONGRUENT = 1e-9  # of a scale's size: copies may differ by rounding
 _SAME = 1e-5  # eigenvalues closer than this are a pair that symmetry makes: both or none are kept

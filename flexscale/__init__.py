@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from flexscale.mechanics.scale_options import ScaleOptions
     from flexscale.mechanics.substrate_options import SubstrateOptions
     from flexscale.mesh.options import MeshOptions
+    from flexscale.mesh.solid_options import SolidOptions
     from flexscale.patterns.material import PETG, RIGID, TPU, TPU_MEASURED, NeoHookean
     from flexscale.patterns.named import named_pattern, named_patterns
     from flexscale.patterns.pattern import Pattern
@@ -62,6 +63,7 @@ __all__ = [
     "ScaleOptions",
     "ScaledSheet",
     "SheetOptions",
+    "SolidOptions",
     "SolverOptions",
     "SubstrateOptions",
     "Tiling",
@@ -101,6 +103,7 @@ PUBLIC_HOMES = {
     "ContactOptions": "flexscale.mechanics.contact_options",
     "RigOptions": "flexscale.sheets.rigs",
     "SheetOptions": "flexscale.sheets.bent_sheet",
+    "SolidOptions": "flexscale.mesh.solid_options",
     "ScaledSheet": "flexscale.synthesis.scaled_sheet",
     "ScaleOptions": "flexscale.mechanics.scale_options",
     "SolverOptions": "flexscale.solve.solver_options",

@@ -263,6 +263,7 @@ def options(home: str) -> Check:
 
 
 MESH = options("flexscale.mesh.options:MeshOptions")
+SOLID = options("flexscale.mesh.solid_options:SolidOptions")
 SOLVER = options("flexscale.solve.solver_options:SolverOptions")
 CONTACT = options("flexscale.mechanics.contact_options:ContactOptions")
 SUBSTRATE = options("flexscale.mechanics.substrate_options:SubstrateOptions")

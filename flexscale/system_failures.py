@@ -39,6 +39,29 @@ class SystemFailureError(FlexScaleError):
     exit_code = 4
 
 
+def require_memory(needed: float, what: str, remedy: str) -> None:
+    """Refuse what takes more memory than is free.
+
+    Parameters
+    ----------
+    needed : GB, by estimate.
+    what, remedy : beginning and end of the sentence.
+
+    Raises
+    ------
+    SystemFailureError : with both numbers.
+    """
+    # Loaded when it is asked for, so that asking for help stays quick.
+    import psutil
+
+    free = psutil.virtual_memory().available / 1e9
+    if needed > free:
+        raise SystemFailureError(
+            f"{what} would take about {needed:.2g} GB of memory, but {free:.2g} GB are free: "
+            f"{remedy}."
+        )
+
+
 #: Errors by which libraries tell what the machine refuses; the text of others may be a user's.
 _TELLING = (OSError, RuntimeError, ImportError, SystemError)
 #: What they say, in lower case, where memory is short.

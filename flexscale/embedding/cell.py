@@ -5,7 +5,7 @@ Unknowns z, in this order:
 - three of every node of the scales: the curvilinear coordinates w of their vertices, or world
 coordinates of points and vectors that modes will drive (see `scale_nodes`);
 - those of the sheet, w of every free substrate vertex among them: see the kinds of cells, `c1_cell`
-and `edge_angle_cell`;
+, `edge_angle_cell` and `solid_cell`;
 - S = (Sxx, Syy, Sxy), the homogeneous in-plane strain: lattice vectors become (I + S) L [Eq. 6].
 
 Periodicity (3)-(6) holds by construction: a corner (v, (m, n)) of an element is the image of vertex
@@ -144,7 +144,7 @@ class CellEmbedding(ABC):
         has_value = np.arange(len(points)) < len(carried)
         if self._edges_have_position:
             has_value[:] = True
-        return PointNodes(mesh, bonds, scales, loaded, has_value, contact_edge)
+        return PointNodes(mesh, bonds, scales, loaded & has_value, loaded, contact_edge)
 
     def _add_scales(self, rows: Rows) -> IntArray:
         home = np.zeros(2)

@@ -100,8 +100,8 @@ class PointNodes:
     ----------
     bonds : weights of scale vertices at bonded points.
     scales : (n_bonds,) scale of each.
-    loaded : (n_bonds,) whether the sheet in the gap hangs on it.
-    has_value : (n_bonds,) whether its position is asked for, besides its gradients.
+    valued : (n_bonds,) whether its position is asked for.
+    turned : (n_bonds,) whether its gradients are.
     contact_edge : mm; None without contact.
 
     Attributes
@@ -118,8 +118,8 @@ class PointNodes:
         mesh: PeriodicMesh,
         bonds: Bonds,
         scales: IntArray,
-        loaded: np.ndarray,
-        has_value: np.ndarray,
+        valued: np.ndarray,
+        turned: np.ndarray,
         contact_edge: float | None,
     ) -> None:
         self.mesh = mesh
@@ -128,7 +128,7 @@ class PointNodes:
             sp.csr_array((data, bonds.scale_vertices, bonds.indptr), shape=(len(scales), n))
             for data in (bonds.values, bonds.gradients[:, 0], bonds.gradients[:, 1])
         ]
-        valued, held = np.flatnonzero(loaded & has_value), np.flatnonzero(loaded)
+        valued, held = np.flatnonzero(valued), np.flatnonzero(turned)
         self._wall = _build_wall(mesh)
         wall = self._wall.bottom_and_top if contact_edge is not None else np.zeros(0, np.int64)
         spread = spread_contact(mesh, contact_edge or 0.0, wall)[wall]
@@ -216,7 +216,7 @@ def _build_wall(mesh: PeriodicMesh) -> _Wall:
     foot_scale = np.empty(n, dtype=np.int64)
     foot_scale[sides[:, 0]] = owner
     points = mesh.scale_positions
-    top = np.flatnonzero(np.isclose(points[:, 2], mesh.scale_height, rtol=0.0, atol=1e-9))
+    top = np.flatnonzero(np.isclose(points[:, 2], points[:, 2].max(), rtol=0.0, atol=1e-9))
     tet_scale = np.empty(n, dtype=np.int64)
     tet_scale[mesh.tets.ravel()] = np.repeat(mesh.tet_scale, mesh.tets.shape[1])
     keys = {(int(tet_scale[v]), *np.round(points[v, :2], 7)): int(v) for v in top}

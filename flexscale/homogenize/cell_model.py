@@ -9,7 +9,12 @@ from flexscale.homogenize.scale_modes import SheetSupport
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
+from flexscale.mesh.solid_options import SolidOptions
 from flexscale.patterns import NeoHookean, Pattern
+
+#: Young's moduli of rigid scales, relative to the substrate's. They strain evenly alone, so that
+#: stiffnesses are some 1e-5 short of the limit; more would be hard on Newton's method.
+RIGID = 1e4
 
 
 def plate_stiffness(material: NeoHookean, thickness: float) -> float:
@@ -31,6 +36,7 @@ class CellModel:
     linear_solver : "auto", "pardiso" or "superlu".
     substrate : the elements of the sheet.
     scales : how scales are modeled.
+    solid : how the substrate is graded if it is a solid; None if it is a shell.
     """
 
     substrate_material: NeoHookean
@@ -42,11 +48,17 @@ class CellModel:
     linear_solver: str = "auto"
     substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
     scales: ScaleOptions = field(default_factory=ScaleOptions)
+    solid: SolidOptions | None = None
 
     @property
     def plate_stiffness(self) -> float:
         """D of the substrate, N mm."""
         return plate_stiffness(self.substrate_material, self.substrate_thickness)
+
+    @property
+    def rigid_stiffness(self) -> float:
+        """What a rigid scale's stiffness is multiplied by."""
+        return RIGID * self.substrate_material.young_modulus / self.scale_material.young_modulus
 
     @property
     def sheet_support(self) -> SheetSupport:
@@ -73,4 +85,5 @@ class CellModel:
             native.solver.linear_solver,
             native.substrate,
             native.scales,
+            native.solid_options,
         )

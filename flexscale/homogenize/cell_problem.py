@@ -115,12 +115,9 @@ class CellProblem:
         self.mesh, self.model, self.hold = mesh, model, hold or Periodic()
         tets = model.scales.model == "tets" or mesh.n_scales == 0
         edge = model.contact.edge if model.contact.enabled else None
-        inner = build_embedding(mesh, model.substrate, model.bond_radius, edge, tets)
+        inner = build_embedding(mesh, model, edge, tets)
         self.area = self.hold.area(inner)
-        material, stiffness = model.substrate_material, model.plate_stiffness
-        self.energies: list[Energy] = build_substrate(
-            inner, model.substrate, material, model.substrate_thickness, stiffness
-        )
+        self.energies: list[Energy] = build_substrate(inner, model)
         self.contact = _build_contact(self.hold.surface(inner), model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
         names = [name for e in self.energies for name in e.part_names]
@@ -193,7 +190,8 @@ class CellProblem:
     def from_pattern(cls, pattern: Pattern, native: NativeModel | None = None) -> CellProblem:
         """Mesh a pattern and set up its native model, the default one if not told."""
         native = native or NativeModel("shell")
-        return cls(build_mesh(pattern, native.mesh), CellModel.of_pattern(pattern, native))
+        mesh = build_mesh(pattern, native.mesh, native.solid_options)
+        return cls(mesh, CellModel.of_pattern(pattern, native))
 
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
         """Room in the Hessian for contact at z alone: results must not depend on earlier states."""

@@ -48,9 +48,11 @@ def estimate_mesh_error(
     """
     without_contact = dataclasses.replace(model, contact=ContactOptions(enabled=False))
     try:
-        coarse = build_mesh(pattern, mesh.finer(0.5))
+        solid = None if model.solid is None else model.solid.finer(0.5)
+        coarse = build_mesh(pattern, mesh.finer(0.5), solid)
     except MeshError:
         return float("nan")
+    without_contact = dataclasses.replace(without_contact, solid=solid)
     other = solve_tangent(CellProblem(coarse, without_contact))
     ratio = np.asarray(other.stiffness(_DIRECTIONS)) / np.asarray(tangent.stiffness(_DIRECTIONS))
     return float(np.abs(ratio - 1.0).max()) / (2.0**_ORDER - 1.0)

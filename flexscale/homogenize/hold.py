@@ -13,7 +13,7 @@ from flexscale.embedding.bodies import Body
 from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.homogenize.cell_model import CellModel
-from flexscale.homogenize.scale_modes import build_bodies
+from flexscale.homogenize.scale_modes import build_bodies, build_rigid_bodies
 from flexscale.mechanics.contact import ContactSurface
 
 Embedding = CellEmbedding | BodyCell
@@ -53,6 +53,8 @@ class Periodic:
 
     def bodies(self, inner: CellEmbedding, model: CellModel) -> list[Body]:
         """The scales as they are."""
+        if model.scales.model == "rigid":
+            return build_rigid_bodies(inner, model.scale_material, model.rigid_stiffness)
         return build_bodies(inner, model.scale_material, model.sheet_support, model.scales.cutoff)
 
     def surface(self, inner: CellEmbedding) -> ContactSurface | None:

@@ -13,14 +13,19 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.solid_options import SolidOptions
 from flexscale.solve.solver_options import SolverOptions
 
 if TYPE_CHECKING:
     from flexscale.mechanics.joint_law import JointLaw
 
-NATIVE_MODELS = ("joints", "shell")
+NATIVE_MODELS = ("joints", "shell", "solid")
 #: Options that a native model does not have: they must be left at their defaults.
-_WITHOUT = {"joints": ("mesh", "substrate", "scales")}
+_WITHOUT = {
+    "joints": ("mesh", "substrate", "scales", "solid"),
+    "shell": ("solid",),
+    "solid": ("substrate",),
+}
 NAME = "native"  # what a configuration and an experiment file call a model's name
 
 
@@ -32,6 +37,7 @@ NAME = "native"  # what a configuration and an experiment file call a model's na
     contact=checks.CONTACT,
     solver=checks.SOLVER,
     law=optional(instance("flexscale.mechanics.joint_law:JointLaw", "take fs.joint_law(pattern)")),
+    solid=checks.SOLID,
 )
 @dataclass(frozen=True)
 class NativeModel:
@@ -40,14 +46,16 @@ class NativeModel:
     Attributes
     ----------
     name : "joints", of what is printed: rigid scales on joints, whose law comes from a solid
-        cross-section of the sheet between them; or "shell", the paper's: a shell in the gaps,
+        cross-section of the sheet between them; "shell", the paper's: a shell in the gaps,
         clamped to scales of finite elements, two to ten times stiffer where the gap is as wide as
-        the sheet is thick.
+        the sheet is thick; or "solid": a solid everywhere, bonded to the scales' bases, which is
+        slow, and what others are held against.
     mesh : element sizes; not of joints.
-    substrate : elements of the substrate; not of joints.
+    substrate : elements of the substrate, if it is a shell.
     scales : how scales are modeled; not of joints, whose law has the scales' rims.
     contact : how scales touch.
     solver : how equilibria are sought.
+    solid : how the substrate is graded, if it is a solid.
     law : of joints, in place of that which gap, sheet and materials of the pattern make.
     """
 
@@ -57,6 +65,7 @@ class NativeModel:
     scales: ScaleOptions = field(default_factory=ScaleOptions)
     contact: ContactOptions = field(default_factory=ContactOptions)
     solver: SolverOptions = field(default_factory=SolverOptions)
+    solid: SolidOptions = field(default_factory=SolidOptions)
     law: JointLaw | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
@@ -64,15 +73,21 @@ class NativeModel:
             raise ConfigError(f"The native model {self.name!r} has no joints: leave law out.")
         for part in _WITHOUT.get(self.name, ()):
             if getattr(self, part) != PARTS[part]():
+                others = [name for name in NATIVE_MODELS[1:] if part not in _WITHOUT[name]]
                 raise ConfigError(
                     f"The native model {self.name!r} has no {part}: leave {part} out, or say "
-                    f'native "shell" (NativeModel("shell", {part}=…) in Python).'
+                    f'native "{others[0]}" (NativeModel("{others[0]}", {part}=…) in Python).'
                 )
 
     @property
     def input(self) -> str:
         """Step whose dataset it is made of."""
         return "joint" if self.name == "joints" else "cell"
+
+    @property
+    def solid_options(self) -> SolidOptions | None:
+        """How a solid substrate is graded; None for a shell."""
+        return self.solid if self.name == "solid" else None
 
     @property
     def without_contact(self) -> NativeModel:
@@ -140,7 +155,7 @@ def require_finite_sheet(model: NativeModel) -> None:
 
     Raises
     ------
-    ConfigError : scales or a substrate that only a periodic cell has.
+    ConfigError : a model, scales or a substrate that only a periodic cell has.
     """
     if model.name != "shell":
         raise ConfigError(

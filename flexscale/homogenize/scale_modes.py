@@ -14,22 +14,25 @@ length with E t / g in the plane and 12 D / g^3 across, and turns with 4 D / g.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import cKDTree
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import N_STRAINS, STRAIN_PAIRS, Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import BODY_POINT
 from flexscale.embedding.scale_nodes import PointNodes
+from flexscale.embedding.solid_cell import SolidCell
 from flexscale.mechanics.energy import block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import NeoHookean
 from flexscale.solve.linear import build_factorization
 
+_PULLED = 1.0  # thickness, from the outline inward, in which a solid sheet pulls at the base
 _AT_ONCE = 64  # loads that are solved for together
 _CONGRUENT = 1e-9  # of a scale's size: copies may differ by rounding
 _SAME = 1e-5  # eigenvalues closer than this are a pair that symmetry makes: both or none are kept
@@ -44,12 +47,14 @@ class SheetSupport:
     stretching, lifting : N/mm2 per length of the strip, for displacements in the plane and across.
     turning : N per length, for gradients.
     touching : N/mm2 per length of the outline, of a neighbor.
+    bearing : N/mm3 per area of the base, of a solid sheet.
     """
 
     stretching: float
     lifting: float
     turning: float
     touching: float
+    bearing: float
 
     @classmethod
     def of_strip(
@@ -58,7 +63,11 @@ class SheetSupport:
         """The strip of sheet in the gap; moduli in MPa, lengths in mm, stiffness in N mm."""
         stretching = young_modulus * thickness / gap
         return cls(
-            stretching, 12.0 * bending_stiffness / gap**3, 4.0 * bending_stiffness / gap, stretching
+            stretching,
+            12.0 * bending_stiffness / gap**3,
+            4.0 * bending_stiffness / gap,
+            stretching,
+            young_modulus / thickness,
         )
 
 
@@ -73,7 +82,8 @@ def build_bodies(
     `affine` have no modes."""
     nodes = embedding.nodes
     assert isinstance(nodes, PointNodes)
-    loads = _loads(embedding, nodes, support)
+    of_base = isinstance(embedding, SolidCell)
+    loads = (_base_loads if of_base else _loads)(embedding, nodes, support)
     shares = embedding.vertex_shares()
     known: list[_Modes] = []
     return [
@@ -83,6 +93,19 @@ def build_bodies(
         )
         for scale in range(embedding.mesh.n_scales)
     ]  # fmt: skip
+
+
+def build_rigid_bodies(embedding: CellEmbedding, material: NeoHookean, factor: float) -> list[Body]:
+    """Bodies that strain evenly alone, `factor` times as stiff as their material."""
+    nodes = embedding.nodes
+    assert isinstance(nodes, PointNodes)
+    none = sp.csr_array((3 * embedding.mesh.n_scale_vertices, 0))
+    shares = embedding.vertex_shares()
+    bodies = [
+        _build_body(embedding, nodes, material, none, shares, scale, np.inf, [])
+        for scale in range(embedding.mesh.n_scales)
+    ]
+    return [replace(body, stiffness=factor * body.stiffness) for body in bodies]
 
 
 @dataclass(frozen=True)
@@ -126,8 +149,7 @@ def _build_body(
     modes."""
     mesh = embedding.mesh
     vertices = np.unique(mesh.tets[mesh.tet_scale == scale])
-    components = (3 * vertices[:, None] + np.arange(3)).ravel()
-    own = sp.csc_array(sp.csr_array(loads[components]))
+    own = sp.csc_array(sp.csr_array(loads[_components(vertices)]))
     own = own[:, np.flatnonzero(np.diff(own.indptr))]
     carried = np.flatnonzero(mesh.vertex_scale == scale)
     weight = shares[carried] / shares[carried].sum()
@@ -242,10 +264,37 @@ def _loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -
     turn = sp.diags_array(couples * normal[:, 0]) @ nodes.weights[nodes.gradient_of[bond, 0]]
     turn = turn + sp.diags_array(couples * normal[:, 1]) @ nodes.weights[nodes.gradient_of[bond, 1]]
     parts.append(_columns(turn, np.tile([0.0, 0.0, 1.0], (len(bond), 1))))
+    return sp.csr_array(sp.hstack([*parts, _presses(nodes, support)]))
+
+
+def _presses(nodes: PointNodes, support: SheetSupport) -> sp.csr_array:
+    """Loads of neighbors that touch the walls."""
     touched, outward, span = _merged(*nodes.wall_normals())
     presses = np.sqrt(support.touching * span)[:, None] * outward
-    parts.append(_columns(nodes.weights[touched], presses))
-    return sp.csr_array(sp.hstack(parts))
+    return _columns(nodes.weights[touched], presses)
+
+
+def _base_loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -> sp.csr_array:
+    """As `_loads` for a solid sheet, which pulls at the base by its shear, near the outline."""
+    assert isinstance(embedding, SolidCell)
+    mesh, layers = embedding.mesh, embedding.layers
+    triangles = mesh.base_triangles
+    shares = [1.0 / 3.0] * 3 if triangles.shape[1] == 3 else [1.0 / 12.0] * 3 + [0.25] * 3
+    area = np.zeros(mesh.n_scale_vertices)
+    np.add.at(area, triangles, mesh.base_areas()[:, None] * shares)
+    rim = layers.plane[(layers.plane_scale >= 0) & ~layers.plane_inner]
+    depth = cKDTree(rim).query(mesh.scale_positions[:, :2])[0]
+    pulled = np.flatnonzero((area > 0.0) & (depth < _PULLED * -layers.heights[-1]))
+    roots = np.sqrt(area[pulled] * support.bearing)
+    at = sp.csr_array(
+        (np.repeat(roots, 3), (_components(pulled), np.arange(3 * len(pulled)))),
+        shape=(3 * mesh.n_scale_vertices, 3 * len(pulled)),
+    )
+    return sp.csr_array(sp.hstack([at, _presses(nodes, support)]))
+
+
+def _components(vertices: IntArray) -> IntArray:
+    return (3 * vertices[:, None] + np.arange(3)).ravel()
 
 
 def _merged(

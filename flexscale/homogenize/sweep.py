@@ -90,7 +90,8 @@ def sweep(
     model : the native model, or the name of one with its default options.
     symmetry : solve one of all directions that the pattern's symmetry makes equivalent, and one
         sample in another as a check; False solves all.
-    workers : processes, each with one thread; as many as there are cores if not given.
+    workers : processes, each with one thread; if not given as many as there are cores, and one for
+        the solid.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted sweep.
     on_sample : called in this process as samples finish.
 
@@ -117,7 +118,9 @@ def sweep(
     if check is not None:
         lines.append(check)
     problem = build_problem(pattern, native)
-    workers = min(workers or os.cpu_count() or 1, len(lines))
+    # Each process holds a cell of its own, and a solid one takes gigabytes.
+    most = 1 if native.name == "solid" else os.cpu_count() or 1
+    workers = min(workers or most, len(lines))
     tangent = solve_tangent(problem)  # this compiles and caches kernels before processes start
     if workers > 1:
         results = _in_processes(problem, lines, native.solver, checkpoint, workers)

@@ -7,7 +7,7 @@ from typing import Any
 
 from flexscale.checks import checked, choice, number
 
-SCALE_MODELS = ("modes", "tets")
+SCALE_MODELS = ("modes", "tets", "rigid")
 
 
 @checked(
@@ -21,7 +21,8 @@ class ScaleOptions:
     Attributes
     ----------
     model : "modes" (an affine motion and the scale's own responses to loads from sheet and contact,
-        from its finite elements at rest) or "tets" (finite elements throughout, as the paper).
+        from its finite elements at rest), "tets" (finite elements throughout, as the paper) or
+        "rigid" (so stiff that it makes no difference).
     cutoff : a mode is kept if the scale is so much as this, relative to the sheet, that gives way
         along it; smaller takes in more modes.
     """

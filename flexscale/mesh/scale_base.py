@@ -24,7 +24,7 @@ from flexscale.patterns.outlines import inset_corners, inset_edges, merge_runs
 from flexscale.patterns.symmetry import Isometry
 
 DEEPEST = 0.5  # of the inset at which the base would fall apart: strips stay clear of it
-FLATTEST = 0.05  # quality: a strip with worse triangles is left out
+FLATTEST = 0.05  # quality of triangles that tets stand on
 SHORT = 0.2  # of a strip's width: nodes on its inner side that are closer become one
 
 
@@ -44,7 +44,11 @@ class Row:
 
 
 def build_base(
-    outline: Row, symmetries: tuple[Isometry, ...], center: FloatArray, options: MeshOptions
+    outline: Row,
+    symmetries: tuple[Isometry, ...],
+    center: FloatArray,
+    options: MeshOptions,
+    flattest: float = FLATTEST,
 ) -> Filling:
     """Triangulate the base of a scale.
 
@@ -53,6 +57,7 @@ def build_base(
     Parameters
     ----------
     symmetries : of the tile; center : (2,) their fixed point, mm.
+    flattest : quality; a strip with worse triangles is left out, and what lies within it.
     """
     rows, triangles, start = [outline], [], 0
     width, depth = options.scale_rim, 0.0
@@ -66,7 +71,7 @@ def build_base(
         n = len(opposite)
         points = np.concatenate([rows[-1].nodes, row.nodes])
         strip = split_row(points, np.arange(n), n + opposite, rows[-1].first_half)
-        if triangle_qualities(points, strip).min() < FLATTEST:
+        if triangle_qualities(points, strip).min() < flattest:
             break
         triangles.append(start + strip)
         rows.append(row)

@@ -32,6 +32,7 @@ from flexscale.patterns.outlines import MITRE_LIMIT, mitre_points
 
 GOOD = 0.3  # quality: better strips along the gap need not be compared with anything
 CLEARLY_BETTER = 1.3
+THINNEST = 0.005  # quality: wedges along a straight edge may be as flat as that
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,15 @@ class TileMesh:
     tets: IntArray
 
 
-def find_tip_sizes(prototiles: Sequence[Prototile], gap: float, options: MeshOptions) -> TipSizes:
+def find_tip_sizes(
+    prototiles: Sequence[Prototile], gap: float, options: MeshOptions, sheared: bool = False
+) -> TipSizes:
     """Sizes along all chains of a pattern: tiles that share one must agree.
 
     Where strips would shear, elements grow no larger than those that `across` asks for until one
     gap past the sharpest tip of a scale. Nodes of strips face each other anyway.
     """
-    free = [tile for tile in prototiles if _inset_for_strips(tile, gap, options) is None]
+    free = [tile for tile in prototiles if _inset_for_strips(tile, gap, options, sheared) is None]
     mitres = [0.5 * gap * _mitre(tile) for tile in free]
     if not mitres:
         return NO_TIPS
@@ -81,6 +84,7 @@ def build_tile_mesh(
     scale_height: float,
     options: MeshOptions,
     tips: TipSizes = NO_TIPS,
+    under_scale: MeshOptions | None = None,
 ) -> TileMesh:
     """Mesh a prototile with all the symmetry it has.
 
@@ -88,13 +92,21 @@ def build_tile_mesh(
     ----------
     gap, scale_height : mm.
     tips : of the whole pattern, from `find_tip_sizes`.
+    under_scale : sizes of the sheet under the scale, as of a scale's base, where the sheet deforms
+        there, and needs strips even where they shear; if not given, it is filled from the outline
+        inward.
     """
-    ring = _build_ring(prototile, gap, options, tips)
+    ring = _build_ring(prototile, gap, options, tips, under_scale is not None)
     outline = ring.points[ring.outline_nodes]
     center = prototile.polygon.mean(axis=0)
     region = make_region([outline], prototile.stabiliser, center, True)
-    extent = float(np.ptp(outline, axis=0).max())
-    under = fill_region(region, extent, options.growth)
+    if under_scale is None:
+        extent = float(np.ptp(outline, axis=0).max())
+        under = fill_region(region, extent, options.growth)
+    else:
+        kinks = np.isin(np.arange(len(outline)), ring.kinks)
+        whole = Row(outline, kinks, in_first_half(ring.along))
+        under = build_base(whole, prototile.stabiliser, center, under_scale, THINNEST)
     kinks = np.isin(ring.coarse, ring.kinks)
     row = Row(outline[ring.coarse], kinks, in_first_half(ring.along[ring.coarse]))
     base = build_base(row, prototile.stabiliser, center, options)
@@ -118,19 +130,24 @@ def _mitre(prototile: Prototile) -> float:
     return float(min(np.tan(0.5 * sharpest), MITRE_LIMIT))
 
 
-def _build_ring(prototile: Prototile, gap: float, options: MeshOptions, tips: TipSizes) -> Ring:
+def _build_ring(
+    prototile: Prototile, gap: float, options: MeshOptions, tips: TipSizes, sheared: bool
+) -> Ring:
     nodes = subdivide_loop(prototile.polygon, prototile.sharp, options, tips)
-    inset = _inset_for_strips(prototile, gap, options)
+    inset = _inset_for_strips(prototile, gap, options, sheared)
     if inset is None:
         return _free_ring(prototile, nodes.points(prototile.polygon), gap, options, tips)
     return build_strips(prototile.polygon, inset, nodes, options)
 
 
-def _inset_for_strips(prototile: Prototile, gap: float, options: MeshOptions) -> FloatArray | None:
-    """Corners of the outline, one for one with the tile's; None if strips lose edges or shear."""
+def _inset_for_strips(
+    prototile: Prototile, gap: float, options: MeshOptions, sheared: bool
+) -> FloatArray | None:
+    """Corners of the outline, one for one with the tile's; None if strips lose edges, or shear
+    where they must not."""
     inset = mitre_points(prototile.polygon, 0.5 * gap)
-    if inset is None:
-        return None
+    if inset is None or sheared:
+        return inset
     nodes = subdivide_loop(prototile.polygon, prototile.sharp, options)
     return None if _strips_shear(prototile, nodes, inset, gap, options) else inset
 

@@ -14,6 +14,7 @@ from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.periodic_mesh import COVERED_EDGE, FREE, GAP_EDGE, PeriodicMesh
 from flexscale.mesh.prisms import surface_of
 from flexscale.mesh.quadratic import elevate_scales
+from flexscale.mesh.solid_options import SolidOptions
 from flexscale.mesh.tile import TileMesh, build_tile_mesh, find_tip_sizes
 from flexscale.mesh.topology import TorusEdges, build_edges
 from flexscale.patterns import Isometry, Pattern
@@ -36,7 +37,9 @@ class _Sheet:
     shared: IntArray
 
 
-def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> PeriodicMesh:
+def build_mesh(
+    pattern: Pattern, options: MeshOptions | None = None, solid: SolidOptions | None = None
+) -> PeriodicMesh:
     """Mesh one lattice cell of a pattern as a torus.
 
     Each shape of tile is meshed once, with the tile's own symmetries, and copied by the isometries
@@ -45,16 +48,20 @@ def build_mesh(pattern: Pattern, options: MeshOptions | None = None) -> Periodic
     Parameters
     ----------
     options : element sizes; the defaults of `MeshOptions` if not given.
+    solid : of a substrate that is a solid: its mesh is graded on both sides of the outlines.
 
     Raises
     ------
     MeshError : the sizes asked for do not give a valid mesh.
     """
-    options = options or MeshOptions()
+    options, under_scales = options or MeshOptions(), None
+    if solid is not None:
+        options = solid.in_plane(options, pattern.gap)
+        under_scales = solid.under_scales(options, pattern.substrate_thickness)
     require_moderate_mesh(pattern, options)
-    tips = find_tip_sizes(pattern.prototiles, pattern.gap, options)
+    tips = find_tip_sizes(pattern.prototiles, pattern.gap, options, solid is not None)
     meshes = [
-        build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options, tips)
+        build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options, tips, under_scales)
         for prototile in pattern.prototiles
     ]
     placed = [(meshes[copy.prototile], copy.placement) for copy in pattern.copies]

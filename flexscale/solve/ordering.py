@@ -4,7 +4,8 @@ A scale's unknowns are coupled with one another and with all of the sheet around
 that sees the pattern alone they look like any others. Eliminated after the sheet, scale by scale,
 they leave less than half of the operations for a cell of four scales. But eliminating all of the
 sheet couples every scale with every other: for many scales nested dissection is better, once it
-does not see the lattice's strain, which every element depends on.
+does not see the lattice's strain, which every element depends on. A sheet that is a solid has so
+many unknowns of its own that it takes nested dissection, and scales come after it too.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from flexscale.arrays import IntArray
 from flexscale.solve.linear import nested_dissection
 
 MANY = 14  # scales, from which on nested dissection leaves fewer operations
+LARGE = 20_000  # unknowns of the sheet, likewise
 
 
 def grouped_order(indptr: IntArray, indices: IntArray, groups: IntArray) -> IntArray:
@@ -41,7 +43,11 @@ def grouped_order(indptr: IntArray, indices: IntArray, groups: IntArray) -> IntA
     inner = (np.minimum(first, second) >= 0) & (np.maximum(first, second) < last)
     between = sp.csr_array((entries.data[inner], (first[inner], second[inner])), shape=(last, last))
     members = [np.flatnonzero(groups == k) for k in [*minimum_degree(between), last]]
-    return np.concatenate([single[minimum_degree(pattern[single][:, single])], *members])
+    sheet = sp.csr_array(pattern[single][:, single])
+    sheet.sort_indices()
+    dissected = nested_dissection(sheet.indptr, sheet.indices) if len(single) > LARGE else None
+    first = minimum_degree(sheet) if dissected is None else dissected
+    return np.concatenate([single[first], *members])
 
 
 def elimination_order(indptr: IntArray, indices: IntArray, groups: IntArray) -> IntArray | None:

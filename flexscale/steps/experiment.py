@@ -16,12 +16,13 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.solid_options import SolidOptions
 from flexscale.names import require_name
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.blocks import Block, PatternBlock
 from flexscale.steps.catalog import FIGURES, STEPS
-from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solver, Substrate
+from flexscale.steps.option_blocks import Contact, Mesh, Scales, Solid, Solver, Substrate
 from flexscale.steps.quantities import declared, several, within
 from flexscale.steps.step import Step, StepBlock
 from flexscale.steps.yaml_file import read_yaml
@@ -36,12 +37,14 @@ class Experiment(Block):
 
     patterns: dict[str, PatternBlock] = declared(..., "name and description of each pattern")
     native: NativeName = declared(
-        NATIVE_MODELS[0], "native model: joints, of what is printed, or shell, the paper's"
+        NATIVE_MODELS[0],
+        "joints, of what is printed; shell, the paper's; solid, to compare with",
     )
     mesh: Mesh = declared(MeshOptions(), "mesh sizes")
     contact: Contact = declared(ContactOptions(), "how scales touch")
     substrate: Substrate = declared(SubstrateOptions(), "elements of the substrate")
     scales: Scales = declared(ScaleOptions(), "how scales are modeled")
+    solid: Solid = declared(SolidOptions(), "how a solid substrate is graded")
     solver: Solver = declared(SolverOptions(), "how equilibria are sought")
     figures: Annotated[tuple[FigureName, ...], several] = declared(
         (), "figures to draw for each pattern"
@@ -100,6 +103,7 @@ class Experiment(Block):
             scales=self.scales,
             contact=self.contact,
             solver=self.solver,
+            solid=self.solid,
         )
 
     def block(self, step: str) -> Any:

@@ -15,6 +15,7 @@ from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions
 from flexscale.mesh.options import MeshOptions
+from flexscale.mesh.solid_options import SolidOptions
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.steps.quantities import UNITS, Quantity
 
@@ -106,4 +107,7 @@ Scales = Annotated[
 ]
 Substrate = Annotated[
     SubstrateOptions, BeforeValidator(lambda value: _read(SubstrateOptions, value)), _as_config
+]
+Solid = Annotated[
+    SolidOptions, BeforeValidator(lambda value: _read(SolidOptions, value)), _as_config
 ]

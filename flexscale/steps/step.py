@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flexscale.steps.experiment import Experiment
 
 #: Options of the native model that a step depends on: of a mesh, of a flat cell, of a bent one.
-MESH = ("mesh",)
+MESH = ("mesh", "solid")
 FLAT = ("mesh", "substrate", "scales")
 BENT = (*FLAT, "contact", "solver")
 

@@ -23,6 +23,7 @@ from tests.derivatives import directional_difference, full_hessian, relative_err
 from tests.mechanics import test_edge_angles as linear
 from tests.mechanics import test_energies as native
 from tests.mechanics import test_sheet_elements as sheets
+from tests.mechanics import test_wedges as wedges
 
 ALL = None  # all rows
 C1_POSITIONS = (0, 3, 6, 12, 15, 18)
@@ -59,6 +60,7 @@ CASES = {
     "substrate, turn": Case(lambda: native.build_shell("turn"), C1_POSITIONS),
     "tets": Case(native.build_tets),
     "quadratic tet": Case(native.build_quadratic_tet),
+    "wedges": Case(wedges.build_wedges, accuracy=1e-7),
     "edge angles": Case(linear.build_bending, SIX, SIX, (0.01, 0.1, 0.4)),
     "an edge that does not turn": Case(
         lambda: linear.build_bending((0.5, 0.0, 1.0)), SIX, SIX, (0.01, 0.1, 0.4)

@@ -45,7 +45,8 @@ def _counted(name: str, long_name: str, *, optional: bool = False) -> Variable:
 
 #: The parts of the energy density, of which a native model has some; they sum to it.
 ENERGY_PARTS = tuple(
-    f"energy_density_{part}" for part in ("membrane", "bending", "scales", "joints", "contact")
+    f"energy_density_{part}"
+    for part in ("membrane", "bending", "solid", "scales", "joints", "contact")
 )
 
 _RETURNING = {
@@ -112,6 +113,7 @@ SWEEP = Schema(
             for part, meaning in (
                 ("membrane", "stretching energy of the substrate"),
                 ("bending", "bending energy of the substrate"),
+                ("solid", "elastic energy of a solid substrate"),
                 ("scales", "elastic energy of the scales"),
                 ("joints", "energy of the joints between scales"),
             )

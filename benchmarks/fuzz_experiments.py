@@ -48,6 +48,7 @@ FULL: dict[str, Any] = {
     "fit": {"weighting": "relative", "variant": "tangent", "w_biaxial": 100.0},
     "shape": [{"side": "closing", "direction": 0, "curvature": 0.01}],
     "gap_model": {"softened": True, "w_biaxial": 100.0, "directions": [0, 45]},
+    "joint": {"rigid": True, "groove": False},
     "sheet": {"model": "fit", "length": 100, "width": 50, "curvatures": [0, 0.01], "direction": 0,
               "size": 10},
     "turned_sheet": {"length": 100, "width": 50, "curvature": 0.02, "directions": [0, 90],

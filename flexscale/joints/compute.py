@@ -126,13 +126,15 @@ def compute_joint(key: JointKey, progress: Progress | None = None) -> SolvedJoin
     _check_reached(key, fitted, held, n_missing)
     exponents, coefficients = fit_terms(fitted, guards, meshed)
     sizes = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 3)]
+    kept = _kept(fitted.poses, held.poses)
+    everywhere = np.concatenate([kept, np.concatenate([way(end) for end in sets[2]])])
     return SolvedJoint(
         key,
         exponents,
-        with_stiffness(exponents, coefficients, stiffness),
+        with_stiffness(exponents, coefficients, stiffness, everywhere),
         fit_errors(exponents, coefficients, held),
         np.array([meshed[size] / stiffness[size] - 1.0 for size in sizes]),
-        _kept(fitted.poses, held.poses),
+        kept,
         _kept(fitted.energies, held.energies),
         _kept(fitted.forces, held.forces),
         np.arange(len(fitted.poses) + len(held.poses)) >= len(fitted.poses),

@@ -109,12 +109,33 @@ def fit_errors(exponents: IntArray, coefficients: FloatArray, samples: Samples) 
 
 
 def with_stiffness(
-    exponents: IntArray, coefficients: FloatArray, stiffness: FloatArray
+    exponents: IntArray, coefficients: FloatArray, stiffness: FloatArray, poses: FloatArray
 ) -> FloatArray:
-    """Coefficients (n_terms,) with a quadratic part of another stiffness (4, 4)."""
+    """Coefficients (n_terms,) of the law with another stiffness (4, 4) at rest.
+
+    A mesh's error is a share of the singular stress at the bond's edges, which a joint that is
+    opened by more than a thickness has no more of than it had: far there, states are righter than
+    the stiffness. The change of W is therefore q dK q / 2 faded by 1/(1 + (u/t)^2) where u > 0,
+    which the higher terms are fitted to at `poses` (n, 4).
+    """
     found = coefficients.copy()
-    for row, value in zip(*_quadratic_terms(stiffness), strict=True):
-        found[(exponents == row).all(axis=1)] = value
+    quadratic, wanted = _quadratic_terms(stiffness)
+    change = np.zeros(len(wanted))
+    for k, (row, value) in enumerate(zip(quadratic, wanted, strict=True)):
+        place = (exponents == row).all(axis=1)
+        change[k] = value - found[place][0]
+        found[place] = value
+    higher = exponents.sum(axis=1) > 2
+    values, slopes = _term_values(exponents[higher], poses)
+    left, left_forces = evaluate_terms(quadratic, change, poses)
+    opened = np.maximum(poses[:, 0], 0.0)
+    fading = 1.0 / (1.0 + opened**2) - 1.0
+    left_forces = fading[:, None] * left_forces
+    left_forces[:, 0] -= 2.0 * opened / (1.0 + opened**2) ** 2 * left
+    matrix = np.concatenate([values[:, None], slopes[:, _PLANE]], axis=1).reshape(-1, higher.sum())
+    target = np.concatenate([(fading * left)[:, None], left_forces[:, _PLANE]], axis=1).ravel()
+    norms = np.sqrt((matrix**2).sum(axis=0))
+    found[higher] += np.linalg.lstsq(matrix / norms, target, rcond=1e-6)[0] / norms
     return found
 
 

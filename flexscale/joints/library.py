@@ -75,6 +75,11 @@ def solved_joint(key: JointKey, progress: Progress | None = None) -> SolvedJoint
     found = load_joint(key)
     if found is None:
         log.info("The joint with a gap of %g thicknesses is computed, once.", key.gap)
-        found = compute_joint(key, progress)
+        found = compute_joint(key, progress or _log_progress)
         keep_joint(found)
     return found
+
+
+def _log_progress(done: int, total: int) -> None:
+    if done % 10 == 0 or done == total:
+        log.info("Joint: %d of %d ways of states are solved.", done, total)

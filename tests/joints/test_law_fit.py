@@ -49,7 +49,7 @@ def test_the_quadratic_part_is_the_one_given_whatever_states_say() -> None:
     fitted, guards = samples(fitted_ends(POSES)), samples(guarding_ends(POSES))
     for exponents, coefficients in (
         fit_terms(fitted, guards, other),
-        (TERMS, with_stiffness(TERMS, VALUES, other)),
+        (TERMS, with_stiffness(TERMS, VALUES, other, fitted.poses)),
     ):
         law = JointLaw(exponents, coefficients, 1.0, 1.0, POSES.bounds)
         assert np.allclose(law.stiffness, other, rtol=1e-12)
@@ -80,3 +80,15 @@ def test_sampled_poses_are_in_the_range_and_reach_its_ends() -> None:
         assert law.inside(np.array(touching)).all()
         if gap <= 1.0:  # wide gaps have no corner far from all that is met
             assert not law.inside(guarding_ends(poses)).any()
+
+
+def test_another_stiffness_changes_far_states_little() -> None:
+    fitted, guards = samples(fitted_ends(POSES)), samples(guarding_ends(POSES))
+    exponents, coefficients = fit_terms(fitted, guards, STIFFNESS)
+    poses = np.concatenate([fitted.poses, guards.poses])
+    changed = with_stiffness(exponents, coefficients, 1.01 * STIFFNESS, poses)
+    near, far = np.array([0.01, 0.01, 0.0, 0.003]), np.array([2.675, 0.0, 0.0, 0.35])
+    for pose, share, within in ((near, 0.01, 2e-4), (far, 0.0, 4e-3)):
+        before, _ = evaluate_terms(exponents, coefficients, pose[None])
+        after, _ = evaluate_terms(exponents, changed, pose[None])
+        assert abs(after[0] / before[0] - 1.0 - share) < within

@@ -44,8 +44,8 @@ def test_shipped_laws_are_what_they_were_fitted_to(key: JointKey) -> None:
     joint = storage.load_joint(key)
     assert joint is not None
     assert (storage.SHIPPED / f"joint_{key.digest}.npz").stat().st_size < 20_000
-    assert joint.errors[0] < 2e-3
-    assert joint.errors[1:].max() < 1e-2
+    assert joint.errors[0] < 1e-3
+    assert joint.errors[1:].max() < 1.25e-2  # 1 % but for the turn of one, at 1.67 t and 6.5 t
     energies, forces, _ = joint.law(1.0, 1.0).evaluate(joint.poses)
     # The law's linear part is of a finer mesh, by `mesh_errors`.
     assert np.abs(joint.mesh_errors).max() < 0.015

@@ -67,8 +67,8 @@ PETG = NeoHookean(young_modulus=2020.0, poisson_ratio=0.35)
 TPU = NeoHookean(young_modulus=26.0, poisson_ratio=0.48)
 #: NinjaFlex 85A as measured on printed samples, for strains up to some 100 %. Raw data of SoRoForge
 #: (doi 10.1089/3dp.2023.0010, eight samples) have a tangent of 14.4 MPa from 2 to 10 % and of 11.7
-#: from 0 to 30 %; Neo-Hookean fits up to 31, 63 and 94 % have 14.6, 12.6 and 11.2 MPa. Sheets of 0.8
-#: to 1.3 mm have 8.2 to 11.9 MPa (Int. J. Bioprinting 9(4), p. 314, 2023).
+#: from 0 to 30 %; Neo-Hookean fits up to 31, 63 and 94 % have 14.6, 12.6 and 11.2 MPa. Sheets of
+#: 0.8 to 1.3 mm have 8.2 to 11.9 MPa (Int. J. Bioprinting 9(4), p. 314, 2023).
 TPU_MEASURED = NeoHookean(young_modulus=12.0, poisson_ratio=0.48)
 #: Scales that do not deform at all.
 RIGID = NeoHookean(young_modulus=MODULI[1], poisson_ratio=0.35)

@@ -21,7 +21,7 @@ from flexscale.patterns.outlines import inset_edges
 from flexscale.patterns.pattern import Pattern
 
 #: Of the gap, by which a joint goes on at most beyond where walls face one another.
-END_LENGTH = 0.8
+END_LENGTH = 1.4
 _MOST, _FEWEST = 6, 2  # stations on a straight piece: exact for polynomials of degree 11 and 3
 _SAME = 1e-6  # of the cell, between midpoints of one edge as an edge of two tiles
 

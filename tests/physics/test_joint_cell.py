@@ -13,7 +13,7 @@ from flexscale.homogenize.joint_cell import JointCell
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.patterns import Pattern
-from flexscale.patterns.joint_lines import find_joints
+from flexscale.patterns.joint_lines import END_LENGTH, find_joints
 from flexscale.solve.newton import solve_equilibrium
 from tests.derivatives import directional_difference, relative_error
 from tests.physics.cells import D
@@ -91,9 +91,10 @@ def test_squares_at_rest_are_a_hinge_and_a_torsion() -> None:
     """Along a side a = K P / (1 + …) of the hinge with its opening free; along the diagonal S."""
     k, found = LAW.stiffness, bare(fs.named_pattern("square"))
     hinge = k[3, 3] - k[0, 3] ** 2 / k[0, 0]
-    assert found[0, 0] == pytest.approx(10.0 * hinge, rel=1e-6)
+    length = find_joints(fs.named_pattern("square"))[0].weights.sum()
+    assert found[0, 0] == pytest.approx(length * hinge, rel=1e-6)
     # Joints 10 mm long whose ends are shifted by 2 kappa_xy 10 / 2: 1/2 K_w w^2 along them.
-    assert found[2, 2] == pytest.approx(k[1, 1] * 10.0**3 / 24.0, rel=1e-6)
+    assert found[2, 2] == pytest.approx(k[1, 1] * length**3 / 24.0, rel=1e-6)
     assert 13.0 < found[0, 0] / D < 14.0
 
 
@@ -184,12 +185,14 @@ def test_two_curvatures_at_a_time_are_the_tangent_at_rest() -> None:
 
 def test_joints_cover_straight_edges_and_stop_short_at_sharp_tips() -> None:
     squares = find_joints(fs.named_pattern("square"))
-    assert [joint.weights.sum() for joint in squares] == pytest.approx([10.0, 10.0])
+    rest = 0.2 - 0.2 / (1.0 + 0.2 / (END_LENGTH * 0.4))
+    assert [joint.weights.sum() for joint in squares] == pytest.approx([10.0 - 2.0 * rest] * 2)
     tip = np.array([[0.0, 0.0], [12.0, 0.0], [22.0, 5.0], [10.0, 5.0]])  # 26.6 degree
     sharp = Pattern.from_polygons([tip], tip[1], tip[3])
     for joint in find_joints(sharp):
         length = np.linalg.norm(tip[1] if abs(joint.normals[0, 0]) < 0.1 else tip[3])
-        cut = 0.2 / np.tan(0.5 * np.arctan2(5.0, 10.0)) - 0.36  # at one end, but for END_SHARE
-        assert joint.weights.sum() == pytest.approx(length - 2.0 * cut, rel=1e-6)
+        d = 0.2 / np.tan(0.5 * np.arctan2(5.0, 10.0))  # between the vertex and the facing walls
+        rest = d - d / (1.0 + d / (END_LENGTH * 0.4))
+        assert joint.weights.sum() == pytest.approx(length - 2.0 * rest, rel=1e-6)
         away = joint.points.mean(axis=0) - tip.mean(axis=0)
         assert (joint.normals @ away > 0.0).all()  # normals lead out of the first scale

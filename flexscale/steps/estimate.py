@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from flexscale.errors import BadInputError, DatasetError
+from flexscale.homogenize.native_model import NAME
 from flexscale.steps.catalog import STEPS
 
 if TYPE_CHECKING:
@@ -20,8 +21,8 @@ def estimate_seconds(jobs: Iterable[Job], registry: Registry) -> dict[str, float
     """Job id -> seconds of one core; jobs whose step has not been run before are left out.
 
     Times are per sample, the median over the records that are most like the job: those of its
-    pattern and mesh; else of its mesh; else all of its step. Samples of one pattern may differ
-    much in time, and machines too.
+    pattern and mesh; else of its mesh; else all of its step and native model. Samples of one
+    pattern may differ much in time, and machines too.
 
     Parameters
     ----------
@@ -68,7 +69,9 @@ def _most_alike(
     """Seconds per sample of the runs that share most with these parameters."""
     ranks: dict[int, list[float]] = {}
     for others, rate in earlier:
-        same_mesh = others["mesh"] == parameters["mesh"]
+        if others.get(NAME) != parameters.get(NAME):
+            continue  # one native model takes a hundred times as long as another
+        same_mesh = others.get("mesh") == parameters.get("mesh")
         same = same_mesh and others["pattern"] == parameters["pattern"]
         ranks.setdefault(same_mesh + same, []).append(rate)
     return ranks[max(ranks)] if ranks else []

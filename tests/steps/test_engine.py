@@ -184,7 +184,7 @@ def test_a_second_run_waits_for_nothing(
     assert run("true") == []
 
 
-@pytest.mark.parametrize("place", ["local", "local/cell/IH76", "local/figures"])
+@pytest.mark.parametrize("place", ["local", "local/joint/IH76", "local/figures"])
 def test_folders_that_cannot_be_written_are_refused_before_anything_runs(
     run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:

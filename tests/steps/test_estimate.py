@@ -22,7 +22,7 @@ PATTERNS = {"square": {"family": "IH76"}, "hexagon": {"family": "IH20"}}
 
 def sweep_jobs(**changes: Any) -> dict[str, Job]:
     """Sweep of each pattern by name; squares and hexagons have 12 samples each to solve."""
-    content = {"patterns": PATTERNS, "sweep": SWEEP} | changes
+    content = {"native": "shell", "patterns": PATTERNS, "sweep": SWEEP} | changes
     plan = build_plan(parse_experiment(content, "file.yaml"))
     return {job.pattern: job for job in plan if job.step == "sweep"}
 
@@ -84,6 +84,7 @@ def test_dry_run_tells_samples_and_time(tmp_path: Path, capsys: pytest.CaptureFi
     file = tmp_path / "file.yaml"
     directions = {"start": 0, "stop": 180, "step": 22.5}
     content = {
+        "native": "shell",
         "patterns": {"square": {"family": "IH76"}},
         "sweep": {"directions": directions, "curvatures": [0, 0.005, 0.01, 0.02]},
         "fit": {},

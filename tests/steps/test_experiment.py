@@ -34,8 +34,8 @@ QUICKSTART = Path(__file__).parents[2] / "workflows" / "quickstart.yaml"
 def test_quickstart_is_the_experiment_of_the_paper() -> None:
     experiment = load_experiment(QUICKSTART)
     assert experiment.sweep is not None
-    assert experiment.sweep.directions == tuple(15.0 * i for i in range(12))
-    assert experiment.sweep.curvatures[-1] == 0.02  # well behind the onset at 0.01
+    assert experiment.sweep.directions == tuple(5.0 * i for i in range(36))
+    assert experiment.sweep.curvatures[-1] == 0.025  # well behind the onset at 0.01
     patterns = experiment.build_patterns()
     assert {name: p.family for name, p in patterns.items()} == {"square": "IH76", "hexagon": "IH20"}
     assert patterns["square"].gap == 0.4

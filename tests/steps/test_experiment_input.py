@@ -107,7 +107,7 @@ OUT_OF_BOUNDS: dict[str, tuple[dict[str, Any], str]] = {
     "a fine disc": (FITTED | {"rig": {"mandrel": {}, "size": 0.1}}, "more than 300000"),
     "a fine strip": (FITTED | {"rig": {"stage": {}, "size": 0.1}}, "more than 300000"),
     "a large sheet": (
-        SMALL | {"native_sheet": {"length": 9000, "width": 9000, "curvatures": [0]}},
+        SHELL | {"native_sheet": {"length": 9000, "width": 9000, "curvatures": [0]}},
         "more than 2000000",
     ),
     "an endless range": (

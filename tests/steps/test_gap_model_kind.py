@@ -90,8 +90,8 @@ def test_sheets_and_devices_take_it_in_an_experiment(dataset: xr.Dataset) -> Non
     content = PATTERNS | {"gap_model": {}, "sheet": SHEET}
     content |= {"rig": {"model": "gap_model", "stage": STAGE, "size": 15, "sides": "closing"}}
     jobs = {job.step: job for job in build_plan(parse_experiment(content, "file"))}
-    assert set(jobs) == {"cell", "gap_model", "sheet", "rig"}
-    assert jobs["gap_model"].inputs == (jobs["cell"].id,)
+    assert set(jobs) == {"joint", "gap_model", "sheet", "rig"}
+    assert jobs["gap_model"].inputs == (jobs["joint"].id,)
     for name in ("sheet", "rig"):
         assert jobs[name].inputs == (jobs["gap_model"].id,)
         step = STEPS[name]

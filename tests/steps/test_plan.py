@@ -31,7 +31,7 @@ def test_every_pattern_gets_every_job_after_its_inputs() -> None:
     plan = plan_of(CONTENT)
     kinds = [(job.pattern, job.step, job.title) for job in plan]
     assert kinds[:5] == [
-        ("square", "cell", "cell"),
+        ("square", "joint", "joint"),
         ("square", "tangent", "tangent"),
         ("square", "sweep", "sweep"),
         ("square", "figure", "polar"),
@@ -74,7 +74,7 @@ def test_needed_for_holds_ancestors_only() -> None:
     plan = plan_of(CONTENT)
     figure = next(job for job in plan if job.title == "polar")
     needed = [job.step for job in plan.needed_for(figure)]
-    assert needed == ["cell", "sweep"]
+    assert needed == ["joint", "sweep"]
 
 
 def test_fit_comes_from_the_sweep_and_its_figures_from_both() -> None:

@@ -79,7 +79,11 @@ def test_sheets_and_rigs_come_from_the_fit() -> None:
 
 
 def test_a_native_strip_needs_no_fit() -> None:
-    content = {"patterns": CONTENT["patterns"], "native_rig": {"shortenings": [1, "0.2 cm"]}}
+    content = {
+        "patterns": CONTENT["patterns"],
+        "native_rig": {"shortenings": [1, "0.2 cm"]},
+        "native": "shell",
+    }
     (job,) = (job for job in plan_of(content) if job.step == "native_rig")
     assert (job.inputs, job.n_samples) == ((), 2 * 2)
     task = STEPS["native_rig"].task(job.recipe.parameters)
@@ -201,7 +205,10 @@ def rigs(**changes: Any) -> dict[str, Any]:
         (rigs(mandrel={"angles": [0, 360]}), "angles lie in [0, 360) degree"),
         (rigs(stage={"shortenings": [5, 120]}), "rig.stage: A shortening of 120 mm"),
         (rigs(stage={"shortenings": [0, 1]}), "shortening is 0 mm"),
-        ({"native_rig": {"shortenings": [5, 120]}}, "native_rig: A shortening of 120 mm"),
+        (
+            {"native": "shell", "native_rig": {"shortenings": [5, 120]}},
+            "native_rig: A shortening of 120 mm",
+        ),
         ({"native_rig": {"sides": ["opening", "opening"]}}, "a side is named twice"),
     ],
 )

@@ -23,6 +23,7 @@ from flexscale.steps.plan import build_plan
 from flexscale.steps.step import Resources
 
 CONTENT: dict[str, Any] = {
+    "native": "shell",
     "patterns": {"square": {"named": "square"}},
     "tangent": {"directions": [0, 45]},
     "sweep": {"directions": {"start": 0, "stop": 180, "step": 15},
@@ -43,10 +44,9 @@ MACRO, SHEETS = "flexscale.macro", "flexscale.sheets"
 CALLED = {
     "cell": ("flexscale.mesh.torus.build_mesh", f"{HOMOGENIZE}.labels.pattern_scalars",
              "flexscale.datasets.build.build_dataset"),
-    "tangent": (f"{HOMOGENIZE}.cell_problem.CellProblem.from_pattern",
+    "tangent": (f"{HOMOGENIZE}.build.build_problem",
                 f"{HOMOGENIZE}.tangent.solve_tangent",
-                f"{HOMOGENIZE}.errors_at_rest.estimate_mesh_error",
-                f"{HOMOGENIZE}.mesh_error.note_mesh_error",
+                f"{HOMOGENIZE}.errors_at_rest.note_errors",
                 "flexscale.datasets.kinds.tangent.build_tangent_dataset"),
     "sweep": (f"{HOMOGENIZE}.sweep.sweep",),
     "shape": (f"{HOMOGENIZE}.shape.solve_shapes",),
@@ -172,6 +172,6 @@ def test_every_parameter_of_a_step_reaches_its_computation(
 def test_what_finite_sheets_do_not_compute_is_refused_when_planned(
     name: str, options: dict[str, Any], said: str
 ) -> None:
-    content = {"patterns": CONTENT["patterns"], name: CONTENT[name], **options}
+    content = {"native": "shell", "patterns": CONTENT["patterns"], name: CONTENT[name], **options}
     with pytest.raises(ConfigError, match=said):
         parse_experiment(content, "file.yaml")

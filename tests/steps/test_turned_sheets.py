@@ -59,7 +59,7 @@ def test_turned_sheets_come_from_sweep_and_tangent_without_a_fit() -> None:
     (job,) = (job for job in plan if job.step == "turned_sheet")
     assert [plan[needed].step for needed in job.inputs] == ["sweep", "tangent"]
     assert job.n_samples == 2 * 2 * 2
-    assert [job.step for job in plan] == ["cell", "tangent", "sweep", "turned_sheet", "figure"]
+    assert [job.step for job in plan] == ["joint", "tangent", "sweep", "turned_sheet", "figure"]
 
 
 def test_they_hold_what_the_simulations_give(turned: xr.Dataset, sweep: xr.Dataset) -> None:

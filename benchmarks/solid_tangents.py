@@ -5,7 +5,7 @@
 The log keeps one line of JSON for each solve, and solves that it has are not done again. Each runs
 in a process of its own, one after the other. The edge of the bond is singular: energies of a mesh
 are above the limit by a share of the size h of the elements there. With sizes that grow by the root
-of two, twice the answer at h/2 less that at h is the limit, to 0.4 % for squares. Elastic scales
+of two, twice the answer at h/2 less that at h is the limit, to 0.6 % for squares. Elastic scales
 change the stiffness by a share that hardly depends on the sheet's mesh: it is taken from one mesh.
 """
 

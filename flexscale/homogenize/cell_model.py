@@ -13,8 +13,8 @@ from flexscale.mesh.solid_options import SolidOptions
 from flexscale.patterns import NeoHookean, Pattern
 
 #: Young's moduli of rigid scales, relative to the substrate's. They strain evenly alone, so that
-#: stiffnesses are some 1e-5 short of the limit; more would be hard on Newton's method.
-RIGID = 1e4
+#: stiffnesses are some 3e-6 short of the limit; more would be hard on Newton's method.
+RIGID = 1e3
 
 
 def plate_stiffness(material: NeoHookean, thickness: float) -> float:

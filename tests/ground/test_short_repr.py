@@ -21,6 +21,7 @@ from flexscale.short_repr import MOST, WIDTH, ShortRepr
 SMALL = {"ContactOptions", "MeshOptions", "NeoHookean", "RigOptions", "ScaleOptions"}
 SMALL |= {
     "SheetOptions",
+    "SolidOptions",
     "SolverOptions",
     "SubstrateOptions",
     "NamedPattern",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import flexscale as fs
+from flexscale.datasets.given import read_config
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
@@ -116,6 +117,19 @@ def test_moment_is_the_slope_of_the_energy_through_contact() -> None:
     slope = (energy[4] - energy[2]) / 0.001
     assert samples[3]["moment"] == pytest.approx(slope, rel=0.01)  # a parabola over 0.001
     assert abs(samples[4]["mean_offset"]) < 1e-9
+
+
+def test_sweeps_work_and_tell_the_model() -> None:
+    """One sample: its moment is the tangent's, and its energy is all told as stretching."""
+    found = fs.sweep(square(), [0.0], [1e-4], ["closing"], model=COARSE, workers=1)
+    moment = float(found["moment"].squeeze())
+    assert moment == pytest.approx(
+        1e-4 * fs.tangent_stiffness(square(), model=COARSE).stiffness(0.0), rel=1e-3
+    )
+    assert read_config(found)["native"] == "solid"
+    assert float(found["energy_density_bending"].squeeze()) == 0.0
+    assert float(found["energy_density_membrane"].squeeze()) > 0.0
+    assert 0.0 < found.attrs["mesh_error_at_rest"] < 0.5
 
 
 def test_levels_are_finest_at_the_upper_face() -> None:

@@ -11,6 +11,7 @@ from flexscale.arrays import FloatArray
 from flexscale.datasets.given import read_config
 from flexscale.datasets.kinds.tangent import TANGENT
 from flexscale.errors import BadInputError, SchemaError
+from flexscale.homogenize.native_model import NAME, NativeModel
 from flexscale.macro.harmonics import Harmonics
 from flexscale.macro.samples import Samples
 from flexscale.units import require_array
@@ -57,18 +58,24 @@ def read_rest_stiffness(tangent: TangentStiffness | xr.Dataset) -> tuple[FloatAr
 
 
 def tangent_of_sweep(sweep: xr.Dataset) -> TangentStiffness | None:
-    """Stiffness of the flat cell of a sweep, in seconds; None where its recipe names no pattern."""
+    """Stiffness of the flat cell of a sweep, in seconds; None where its recipe names no pattern, or
+    joints that are not those of the pattern."""
     config = read_config(sweep)
-    if not {"pattern", "mesh", "substrate", "scales"} <= config.keys():
+    if not {"pattern", NAME} <= config.keys():
         return None
     # Meshing needs system libraries, which a fit that is given its tangent can do without.
-    from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.tangent import tangent_stiffness
     from flexscale.patterns import Pattern
 
     log.info("fit computes the stiffness of the flat cell from the sweep's recipe")
     pattern = Pattern.from_config(config["pattern"])
-    return tangent_stiffness(pattern, model=NativeModel.from_config(config))
+    native = NativeModel.from_config(config)
+    if native.name == "joints" and "joint_stiffness" in config:
+        from flexscale.joints.library import joint_law
+
+        if not np.allclose(joint_law(pattern).stiffness, config["joint_stiffness"], rtol=1e-9):
+            return None  # of a groove, or of the user's own law
+    return tangent_stiffness(pattern, model=native)
 
 
 def require_same_cell(stiffness: Harmonics, samples: Samples) -> None:

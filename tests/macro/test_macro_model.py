@@ -111,6 +111,7 @@ def test_tangent_comes_from_the_recipe_of_a_sweep() -> None:
     pattern = fs.Pattern(fs.Tiling("IH76"))
     config = {
         "pattern": pattern.to_config(),
+        "native": "shell",
         "mesh": coarse.to_config(),
         "substrate": fs.SubstrateOptions().to_config(),
         "scales": fs.ScaleOptions().to_config(),

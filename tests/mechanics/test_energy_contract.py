@@ -2,7 +2,7 @@
 
 `CASES` lists all energies of elements; one that is added to `mechanics` has to be added here. The
 contact between scales has pairs that change with the state, and the same tests in
-`physics/test_contact.py`.
+`physics/test_contact.py` and `test_prism_contact.py`.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def test_every_energy_is_here() -> None:
                 found.add(name)
     built = {type(case.build()[0]).__name__ for case in CASES.values()}
     # Elements of any shape: those of a joint's section have their own test.
-    assert found - {"Energy", "ScaleContact", "NeoHookeanElements"} == built
+    assert found - {"Energy", "PrismContact", "ScaleContact", "NeoHookeanElements"} == built
 
 
 def test_derivatives_match_differences(case: Case) -> None:

@@ -15,6 +15,7 @@ from flexscale.steps.step import Resources
 
 NATIVE = fs.NativeModel("shell")
 CONTENT: dict[str, Any] = {
+    "native": "shell",
     "patterns": {"square": {"family": "IH76"}},
     "tangent": {},
     "sweep": {"directions": [0, 45], "curvatures": [0, 0.001]},
@@ -65,7 +66,10 @@ def test_naming_the_default_changes_no_identity():
     assert recipe["substrate"] == fs.SubstrateOptions().to_config()
     assert recipe["scales"] == fs.ScaleOptions().to_config()
     assert "contact" not in recipe
-    assert step.task({"pattern": pattern.to_config(), "directions": [0.0]}).native == NATIVE
+    assert (
+        step.task({"native": "shell", "pattern": pattern.to_config(), "directions": [0.0]}).native
+        == NATIVE
+    )
 
 
 def test_steps_compute_with_the_element_they_name():
@@ -74,6 +78,7 @@ def test_steps_compute_with_the_element_they_name():
     step = STEPS["tangent"]
     parameters = step.task(
         {
+            "native": "shell",
             "pattern": pattern.to_config(),
             "mesh": COARSE.to_config(),
             "directions": [45.0],

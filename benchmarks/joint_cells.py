@@ -1,0 +1,201 @@
+"""Cells of rigid scales on joints: against the solid, and what they cost beside the shell.
+
+    python benchmarks/joint_cells.py [--output FILE] [--full]
+
+Stiffness at rest is compared with the limits of `solid_tangents.py`, lines through contact with
+those of `solid_lines.py`, from their logs beside this page. Times are of processor time on one
+thread, joints and shell in turn in one process; a Newton iteration is that of a sweep along 7
+degree, all that happens in it included. --full sweeps all twelve patterns every 2 degree.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from report import heading, report, table
+
+import flexscale as fs
+from flexscale.arrays import FloatArray
+from flexscale.homogenize.build import build_problem
+from flexscale.homogenize.cell_model import plate_stiffness
+from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.problem import Problem
+from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
+
+PAGES = Path(__file__).resolve().parents[1] / "results" / "reference" / "benchmarks"
+D = plate_stiffness(fs.TPU, 0.4)
+DIRECTIONS = np.arange(0.0, 180.0, 15.0)
+CURVATURES = tuple(np.linspace(0.0, 0.025, 12))
+SIDES = (1, 2, 4, 8, 16)  # of supercells
+
+
+def read_log(name: str) -> list[dict[str, Any]]:
+    """Lines of JSON beside the pages; none if there is no such log yet."""
+    path = PAGES / name
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def limits(log: list[dict[str, Any]]) -> dict[str, FloatArray]:
+    """Pattern -> stiffness along `DIRECTIONS` [D] of rigid scales, extrapolated from two meshes."""
+    meshes: dict[str, dict[float, FloatArray]] = {}
+    for line in log:
+        if line["scales"] == "rigid" and line["growth"] < 1.5 and line["edge"] in (0.03, 0.06):
+            tangent = TangentStiffness(np.array(line["matrix"]), np.zeros((3, 3)))
+            a = np.asarray(tangent.stiffness(DIRECTIONS)) / D
+            meshes.setdefault(line["pattern"], {})[line["edge"]] = a
+    return {name: 2.0 * a[0.03] - a[0.06] for name, a in meshes.items() if len(a) == 2}
+
+
+def at_rest() -> list[str]:
+    """Joints against the solid, rigid scales."""
+    rows = []
+    for name, solid in limits(read_log("solid_tangents.jsonl")).items():
+        pattern = fs.named_pattern(name, scale_material=fs.RIGID)
+        joints = np.asarray(fs.tangent_stiffness(pattern).stiffness(DIRECTIONS)) / D
+        ratio = joints / solid - 1.0
+        worst = int(np.abs(ratio).argmax())
+        rows.append([
+            name, f"{solid.min():.1f} to {solid.max():.1f}",
+            f"{100 * ratio.min():+.1f} to {100 * ratio.max():+.1f}",
+            f"{DIRECTIONS[worst]:g}",
+        ])  # fmt: skip
+    head = ["pattern", "solid, D", "joints less solid, %", "worst at, degree"]
+    return ["## At rest, rigid scales", "", *table(head, rows)] if rows else []
+
+
+def through_contact() -> list[str]:
+    """Joints against the solid along lines, moments over those at rest on the same mesh."""
+    lines: dict[tuple[str, float, str], list[dict[str, Any]]] = {}
+    for item in read_log("solid_lines.jsonl"):
+        key = (item["pattern"], item["direction"], item["side"])
+        if np.isfinite(item.get("moment", np.nan)) and item["curvature"] > 0.0:
+            lines.setdefault(key, []).append(item)
+    rows = []
+    for (name, direction, side), samples in lines.items():
+        pattern = fs.named_pattern(name, scale_material=fs.RIGID)
+        kappa = [0.0, *(item["curvature"] for item in samples)]
+        data = fs.sweep(pattern, [direction], kappa, (side,), workers=1)
+        joints = data.moment.values[0, 0, 1:]
+        solid = np.array([item["moment"] for item in samples])
+        ratio = joints / solid - 1.0
+        touching = data.contact_pairs.values[0, 0, 1:] > 0
+        parts = [ratio[~touching], ratio[touching]]
+        said = [f"{100 * p.min():+.1f} to {100 * p.max():+.1f}" if len(p) else "" for p in parts]
+        rows.append([name, f"{direction:g}", side, str(len(samples)), *said])
+    head = ["pattern", "direction", "side", "samples", "before contact, %", "in contact, %"]
+    return ["## Moments, joints less solid", "", *table(head, rows)] if rows else []
+
+
+def cost(problem: Problem, solver: fs.SolverOptions) -> tuple[float, float]:
+    """ms of a Newton iteration, and of a sample, along 7 degree to both sides."""
+    iterations = samples = 0
+    start = time.process_time()
+    for side in ("closing", "opening"):
+        for sample in follow_line(problem, Line(side, 7.0, CURVATURES), solver):
+            iterations += sample.get("newton_iterations", 0)
+            samples += 1
+    seconds = time.process_time() - start
+    return 1e3 * seconds / iterations, 1e3 * seconds / samples
+
+
+def side_by_side() -> list[str]:
+    """Joints and shell in turn."""
+    rows = []
+    for name in ("square", "hexagon", "arrowhead"):
+        pattern = fs.named_pattern(name)
+        found = {}
+        for native in ("joints", "shell"):
+            model = fs.NativeModel(native)
+            problem = build_problem(pattern, model)
+            solve_tangent(problem)
+            cost(problem, model.solver)  # compiles
+            found[native] = (len(problem.active), *cost(problem, model.solver))
+        (n, a, b), (m, c, d) = found["joints"], found["shell"]
+        rows.append([name, str(n), str(m), f"{a:.2f}", f"{c:.1f}", f"{b:.2f}", f"{d:.0f}", f"{d / b:.0f}"])  # fmt: skip
+    head = ["pattern", "unknowns, joints", "shell", "ms an iteration, joints", "shell"]
+    head += ["ms a sample, joints", "shell", "ratio"]
+    return ["## Cost beside the shell", "", *table(head, rows)]
+
+
+def characterization(full: bool) -> list[str]:
+    """Sweeps every 2 degree, both sides, 12 curvatures to 0.025 /mm: 2,160 samples a pattern."""
+    names = [item.name for item in fs.named_patterns()] if full else ["hexagon"]
+    rows, total = [], 0.0
+    for name in names:
+        start = time.process_time()
+        data = fs.sweep(
+            fs.named_pattern(name), np.arange(0.0, 180.0, 2.0).tolist(), CURVATURES, workers=1
+        )
+        seconds = time.process_time() - start
+        total += seconds
+        rows.append([
+            name, f"{seconds:.1f}", str(int((data.status != 0).sum())),
+            str(len(np.unique(data.symmetry_source))), str(int((data.outside_range > 0).sum())),
+        ])  # fmt: skip
+    if full:
+        rows.append(["all", f"{total:.1f}", "", "", ""])
+    head = ["pattern", "s", "not converged", "directions solved", "samples beyond the law's range"]
+    return ["## 2,160 samples", "", *table(head, rows)]
+
+
+def supercell(n: int) -> dict[str, float]:
+    """Cost of n x n squares in one cell."""
+    first, second = np.array([10.0, 0.0]), np.array([0.0, 10.0])
+    square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    tiles = [square + i * first + j * second for i in range(n) for j in range(n)]
+    pattern = fs.Pattern.from_polygons(tiles, n * first, n * second)
+    problem = build_problem(pattern, fs.NativeModel())
+    line = Line("closing", 20.0, (0.002, 0.004, 0.006, 0.008))
+    list(follow_line(problem, line, fs.SolverOptions()))  # compiles
+    start, iterations = time.process_time(), 0
+    for sample in follow_line(problem, line, fs.SolverOptions()):
+        iterations += sample["newton_iterations"]
+    ms = 1e3 * (time.process_time() - start) / iterations
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    return {"scales": n * n, "unknowns": len(problem.active), "ms": ms, "memory": memory}
+
+
+def supercells() -> list[str]:
+    """Each in a process of its own; the exponent of an iteration's cost."""
+    found = []
+    for n in SIDES:
+        command = [sys.executable, __file__, "--supercell", str(n)]
+        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        found.append(json.loads(done.stdout))
+    rows = [
+        [f"{f['scales']:.0f}", f"{f['unknowns']:.0f}", f"{f['ms']:.2f}",
+         f"{f['ms'] / f['scales']:.3f}", f"{f['memory']:.0f}"] for f in found
+    ]  # fmt: skip
+    a, b = found[-2], found[-1]
+    exponent = np.log(b["ms"] / a["ms"]) / np.log(b["scales"] / a["scales"])
+    head = ["scales", "unknowns", "ms an iteration", "ms a scale", "peak memory, MB"]
+    said = f"From {a['scales']:.0f} to {b['scales']:.0f} scales the cost grows by the power {exponent:.2f}."
+    return ["## Supercells of squares", "", *table(head, rows), said, ""]
+
+
+def main() -> None:
+    """Print the tables, and write them if asked."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--output", type=Path, help="write the tables to this Markdown file too")
+    parser.add_argument("--full", action="store_true", help="sweep all twelve patterns")
+    parser.add_argument("--supercell", type=int, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.supercell:
+        print(json.dumps(supercell(arguments.supercell)))
+        return
+    rows = heading("Cells on joints", __doc__ or "")
+    rows += at_rest() + through_contact() + side_by_side()
+    rows += characterization(arguments.full) + supercells()
+    report(rows, arguments.output)
+
+
+if __name__ == "__main__":
+    main()

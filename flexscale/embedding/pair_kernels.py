@@ -11,6 +11,7 @@ from numba import njit
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.embedding.rigid_motion import N_VARIABLES, N_WORK, place_pair, relative_pose
+from flexscale.mechanics.jets import add_hessian
 from flexscale.mechanics.joint_law import law_at
 
 _N = N_VARIABLES
@@ -34,10 +35,11 @@ def place_pairs(
     scales: IntArray,
     lifts: FloatArray,
     ways: FloatArray,
+    needed: BoolArray,
     order: int,
     out: FloatArray,
 ) -> None:
-    """Poses (n_pairs, 24, jet) of all pairs, see `place_pair`.
+    """Poses (n_pairs, 24, jet) of the pairs that are needed, see `place_pair`.
 
     scales : (n_pairs, 2); lifts : (n_scales,) of anchors by kappa; ways : (n_pairs, 2) mm.
     """
@@ -45,6 +47,8 @@ def place_pairs(
     both = np.empty(2)
     stretch = z[len(z) - 3 :]
     for k in range(len(scales)):
+        if not needed[k]:
+            continue
         a, b = scales[k]
         both[0], both[1] = lifts[a], lifts[b]
         place_pair(
@@ -207,14 +211,10 @@ def all_joints(
         if order == 1:
             continue
         block = blocks[k]
-        for i in range(_N):
-            for c in range(6):
-                carried = 0.0
-                for d in range(6):
-                    carried += bend[c, d] * relative[d, 1 + i]
-                for j in range(_N):
-                    block[i, j] += carried * relative[c, 1 + j]
-                    block[i, j] += slope[c] * relative[c, 1 + _N + _N * i + j]
+        for c in range(6):
+            add_hessian(block, slope[c], relative[c], _N)
+        rates = relative[:, 1 : 1 + _N].copy()
+        block += rates.T @ (bend @ rates)
     return energy
 
 
@@ -247,9 +247,8 @@ def pull_forces(
                 continue
             for i in range(_N):
                 gradient[number[i]] += load * poses[k, m, 1 + i]
-                if order > 1:
-                    for j in range(_N):
-                        blocks[k, i, j] += load * poses[k, m, 1 + _N + _N * i + j]
+            if order > 1:
+                add_hessian(blocks[k], load, poses[k, m], _N)
 
 
 @njit(cache=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from flexscale.arrays import FloatArray, IntArray
+from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
 from flexscale.embedding.pair_kernels import place_pairs, place_rows, pull_forces, unknowns_of
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
@@ -186,14 +186,17 @@ class RigidCell:
         lifts: FloatArray = 0.5 * np.einsum("ij,nij->n", tensor, self.scales.second_moments)
         return lifts
 
-    def poses(self, z: FloatArray, bend: Bend | TensorBend, order: int) -> FloatArray:
-        """(n_pairs, 24, jet) of `rigid_motion.place_pair`."""
+    def poses(
+        self, z: FloatArray, bend: Bend | TensorBend, order: int, needed: BoolArray | None = None
+    ) -> FloatArray:
+        """(n_pairs, 24, jet) of `rigid_motion.place_pair`, of the pairs (n_pairs,) needed."""
+        needed = np.ones(len(self.scales.pairs), dtype=bool) if needed is None else needed
         size = jet_size(N_VARIABLES) if order > 1 else 1 + order * N_VARIABLES
         out = np.empty((len(self.scales.pairs), 24, size))
         tensor = bend.tensor
         place_pairs(
             z, bend.curvature, tensor, self.scales.pairs, self.lifts(tensor), self.scales.ways,
-            order, out,
+            needed, order, out,
         )  # fmt: skip
         return out
 

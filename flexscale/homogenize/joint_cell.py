@@ -73,6 +73,7 @@ class JointCell:
     part_names : names of the energy parts.
     area : rest area, mm2.
     system : factorizes the Hessian.
+    jointed : (n_pairs,) whether a pair of neighbors shares joints; others can only touch.
     rows, columns : (nnz,) of the values of its upper triangle.
     """
 
@@ -111,6 +112,7 @@ class JointCell:
             normals.append(joint.normals)
             weights.append(joint.weights)
         self._starts = np.concatenate([[0], np.cumsum(counts)])
+        self.jointed = counts > 0
         self._stations = tuple(np.concatenate(x) for x in (points, normals, weights))
         law = self.law
         self._law = (law.exponents, law.coefficients, law.thickness, law.modulus, law.bounds)
@@ -261,14 +263,18 @@ class BentJoints:
         """(n_pairs, 16, 16) second derivatives by each pair's variables."""
         problem, cell = self.problem, self.problem.embedding
         scales, rows = cell.scales, cell.scales.rows
-        poses = cell.poses(state.z, self.bend, 2)
-        blocks = np.zeros((len(scales.pairs), N_VARIABLES, N_VARIABLES))
-        unused = np.zeros(cell.n_unknowns + 1)
-        problem.joints(poses, 2, unused, blocks)
-        if problem.contact is not None and state.parts[1] > 0.0:
+        needed = problem.jointed.copy()
+        touching = problem.contact is not None and state.parts[1] > 0.0
+        if problem.contact is not None and touching:
             stencils, slopes, hessians = problem.contact.derivatives(
                 state.world.y, project != NOTHING
             )
+            needed[rows.pair[stencils[:, 0]]] = True
+        poses = cell.poses(state.z, self.bend, 2, needed)
+        blocks = np.zeros((len(scales.pairs), N_VARIABLES, N_VARIABLES))
+        unused = np.zeros(cell.n_unknowns + 1)
+        problem.joints(poses, 2, unused, blocks)
+        if touching:
             forces = np.zeros_like(state.world.y)
             np.add.at(forces, stencils.ravel(), slopes.reshape(-1, 3))
             where = (rows.pair, rows.second, rows.rest)

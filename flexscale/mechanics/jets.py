@@ -1,9 +1,10 @@
 """Jets: numbers that carry their first and second derivatives by a few variables, exactly.
 
-A jet of n variables is a row of 1 + n + n n numbers: value, gradient, Hessian row by row. Sums and
-products follow the rules of differentiation, so that whatever is computed of jets has its exact
-derivatives. Kernels here write into a row of a table that the caller provides; with order 1 the
-Hessian is left alone, with order 0 the gradient too.
+A jet of n variables is a row of 1 + n + n n numbers: value, gradient, Hessian row by row, of which
+the lower triangle is left out (`add_hessian` fills it). Sums and products follow the rules of
+differentiation, so that whatever is computed of jets has its exact derivatives. Kernels here write
+into a row of a table that the caller provides; with order 1 the Hessian is left alone, with order 0
+the gradient too.
 """
 
 from __future__ import annotations
@@ -57,10 +58,10 @@ def add_product(
         ga, gb = factor * a[1 + i], factor * b[1 + i]
         row = 1 + n + i * n
         if ga == 0.0 and gb == 0.0:
-            for j in range(n):
+            for j in range(i, n):
                 out[row + j] += fa * b[row + j] + fb * a[row + j]
         else:
-            for j in range(n):
+            for j in range(i, n):
                 out[row + j] += fa * b[row + j] + fb * a[row + j] + ga * b[1 + j] + gb * a[1 + j]
 
 
@@ -73,9 +74,20 @@ def compose(
         for i in range(n):
             gi = bend * a[1 + i]
             row = 1 + n + i * n
-            for j in range(n):
+            for j in range(i, n):
                 out[row + j] = slope * a[row + j] + gi * a[1 + j]
     if order > 0:
         for i in range(1, n + 1):
             out[i] = slope * a[i]
     out[0] = value
+
+
+@njit(cache=True)
+def add_hessian(out: FloatArray, factor: float, a: FloatArray, n: int) -> None:
+    """out (n, n) += factor times the Hessian of a jet, both triangles."""
+    for i in range(n):
+        for j in range(i, n):
+            value = factor * a[1 + n + i * n + j]
+            out[i, j] += value
+            if i != j:
+                out[j, i] += value

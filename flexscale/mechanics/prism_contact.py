@@ -12,6 +12,7 @@ from numba import njit
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.mechanics.barrier import MOST_SWEEP_STEPS, SWEEPS, Barrier
 from flexscale.mechanics.contact_gaps import LinearGaps
+from flexscale.mechanics.jets import add_hessian
 from flexscale.mechanics.prism_kernels import (
     N,
     all_free_share,
@@ -253,5 +254,5 @@ def _fill_derivatives(
         barrier_jet(k < walls, x, squared, work, out)
         for i in range(N):
             gradients[m, i] = stiffness * out[1 + i]
-            for j in range(N):
-                hessians[m, i, j] = stiffness * out[1 + N + N * i + j]
+        hessians[m] = 0.0
+        add_hessian(hessians[m], stiffness, out, N)

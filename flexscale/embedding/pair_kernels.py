@@ -17,7 +17,7 @@ from flexscale.mechanics.joint_law import law_at
 _N = N_VARIABLES
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def unknowns_of(first: int, second: int, n_unknowns: int, out: IntArray) -> None:
     """(16,) numbers of a pair's variables among the unknowns; kappa is one past them."""
     for i in range(6):
@@ -27,7 +27,7 @@ def unknowns_of(first: int, second: int, n_unknowns: int, out: IntArray) -> None
     out[15] = n_unknowns
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def place_pairs(
     z: FloatArray,
     curvature: float,
@@ -57,7 +57,7 @@ def place_pairs(
         )  # fmt: skip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def place_rows(
     poses: FloatArray, pair: IntArray, second: BoolArray, rest: FloatArray, y: FloatArray
 ) -> None:
@@ -70,7 +70,7 @@ def place_rows(
                 y[r, c] += poses[pair[r], start + 3 + 3 * c + j, 0] * rest[r, j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def station_opening(
     relative: FloatArray, point: FloatArray, normal: FloatArray, q: FloatArray, rows: FloatArray
 ) -> float:
@@ -95,7 +95,7 @@ def station_opening(
     return half
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def all_openings(
     poses: FloatArray,
     scales: IntArray,
@@ -114,7 +114,7 @@ def all_openings(
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def joint_energy(
     relative: FloatArray,
     points: FloatArray,
@@ -160,7 +160,7 @@ def joint_energy(
     return energy
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def all_joints(
     poses: FloatArray,
     scales: IntArray,
@@ -213,12 +213,17 @@ def all_joints(
         block = blocks[k]
         for c in range(6):
             add_hessian(block, slope[c], relative[c], _N)
-        rates = relative[:, 1 : 1 + _N].copy()
-        block += rates.T @ (bend @ rates)
+        for c in range(6):
+            for i in range(_N):
+                carried = 0.0
+                for d in range(6):
+                    carried += bend[c, d] * relative[d, 1 + i]
+                for j in range(_N):
+                    block[i, j] += carried * relative[c, 1 + j]
     return energy
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pull_forces(
     poses: FloatArray,
     scales: IntArray,
@@ -251,7 +256,7 @@ def pull_forces(
                 add_hessian(blocks[k], load, poses[k, m], _N)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def row_rates(
     poses: FloatArray, pair: int, second: bool, rest: FloatArray, out: FloatArray
 ) -> None:
@@ -264,7 +269,7 @@ def row_rates(
                 out[c, i] += poses[pair, start + 3 + 3 * c + j, 1 + i] * rest[j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pull_stencils(
     poses: FloatArray,
     pair: IntArray,
@@ -281,11 +286,18 @@ def pull_stencils(
         for v in range(4):
             r = stencils[m, v]
             row_rates(poses, k, second[r], rest[r], rates[3 * v : 3 * v + 3])
-        carried[:] = hessians[m] @ rates
-        blocks[k] += rates.T @ carried
+        for v in range(12):
+            for i in range(_N):
+                carried[v, i] = 0.0
+                for c in range(12):
+                    carried[v, i] += hessians[m, v, c] * rates[c, i]
+        for v in range(12):
+            for i in range(_N):
+                for j in range(_N):
+                    blocks[k, i, j] += rates[v, i] * carried[v, j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_blocks(blocks: FloatArray, slots: IntArray, values: FloatArray) -> None:
     """Add the pairs' blocks to the values of the upper triangle; slots of -1 are left out."""
     for k in range(len(blocks)):
@@ -296,7 +308,7 @@ def add_blocks(blocks: FloatArray, slots: IntArray, values: FloatArray) -> None:
                     values[slot] += blocks[k, i, j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def gather_column(blocks: FloatArray, scales: IntArray, column: int, out: FloatArray) -> None:
     """out (n_unknowns + 1,) += one column of all blocks."""
     number = np.empty(_N, dtype=np.int64)

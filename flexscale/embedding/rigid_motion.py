@@ -30,7 +30,7 @@ OF_A, OF_B, OF_S, OF_KAPPA = 0, 6, 12, 15
 _SMALL, _TERMS = 1.0, 14  # squared turn below which functions of it are series of so many terms
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def turn_functions(s: float, out: FloatArray) -> None:
     """sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 of s = t^2, each with two derivatives by s.
 
@@ -61,7 +61,7 @@ def turn_functions(s: float, out: FloatArray) -> None:
         out[k, 2] = (lower - (k + 1.0) * out[k, 1]) / (2.0 * s) - out[k, 1] / s
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rotation_of(c: FloatArray, work: FloatArray, out: FloatArray, n: int, order: int) -> None:
     """R = 1 + 2 ([c] + [c][c]) / (1 + |c|^2) of a Gibbs vector.
 
@@ -89,7 +89,7 @@ def rotation_of(c: FloatArray, work: FloatArray, out: FloatArray, n: int, order:
             add_product(out[3 * i + j], 1.0, factor, entry, n, order)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def neighbor_motion(
     way: FloatArray,
     tensor: FloatArray,
@@ -165,7 +165,7 @@ def neighbor_motion(
 N_WORK = 40  # rows of jets that the kernels below work in
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def place_pair(
     a: FloatArray,
     b: FloatArray,
@@ -221,7 +221,7 @@ def place_pair(
                 )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def relative_pose(
     poses: FloatArray,
     arm_a: FloatArray,

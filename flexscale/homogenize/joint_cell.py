@@ -33,7 +33,7 @@ from flexscale.mechanics.prism_contact import PrismContact
 from flexscale.patterns.joint_lines import Joint, find_joints
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.constraint import ConstrainedSystem
-from flexscale.solve.linear import build_factorization
+from flexscale.solve.linear import DenseFactorization, Factorization, build_factorization
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,12 @@ class JointCell:
         self.rows, self.columns = np.divmod(keys, n)
         self._slots = np.full(first.shape, -1, dtype=np.int64)
         self._slots[kept] = np.searchsorted(keys, first[kept] * n + second[kept])
-        factorization = build_factorization(indptr, keys % n, self.native.solver.linear_solver)
+        small = n <= DenseFactorization.SMALL
+        factorization: Factorization = (
+            DenseFactorization(indptr, keys % n)
+            if small
+            else build_factorization(indptr, keys % n, self.native.solver.linear_solver)
+        )
         self.system = ConstrainedSystem(
             factorization,
             indptr[:-1].astype(np.int64),

@@ -19,14 +19,14 @@ def jet_size(n: int) -> int:
     return 1 + n + n * n
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def constant(out: FloatArray, value: float) -> None:
     """A number without derivatives."""
     out[:] = 0.0
     out[0] = value
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def variable(out: FloatArray, value: float, index: int) -> None:
     """One of the variables."""
     out[:] = 0.0
@@ -34,14 +34,14 @@ def variable(out: FloatArray, value: float, index: int) -> None:
     out[1 + index] = 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_scaled(out: FloatArray, factor: float, a: FloatArray) -> None:
     """out += factor a."""
     for k in range(len(out)):
         out[k] += factor * a[k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_product(
     out: FloatArray, factor: float, a: FloatArray, b: FloatArray, n: int, order: int
 ) -> None:
@@ -65,7 +65,7 @@ def add_product(
                 out[row + j] += fa * b[row + j] + fb * a[row + j] + ga * b[1 + j] + gb * a[1 + j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def compose(
     out: FloatArray, a: FloatArray, value: float, slope: float, bend: float, n: int, order: int
 ) -> None:
@@ -82,7 +82,7 @@ def compose(
     out[0] = value
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_hessian(out: FloatArray, factor: float, a: FloatArray, n: int) -> None:
     """out (n, n) += factor times the Hessian of a jet, both triangles."""
     for i in range(n):

@@ -24,6 +24,7 @@ from numba import njit
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.errors import BadInputError
+from flexscale.short_repr import ShortRepr
 
 MOST_POWER = 9  # of one coordinate
 _REACH = 0.25  # delta, in widths of a coordinate's range
@@ -179,8 +180,8 @@ def _laws_at(
         )
 
 
-@dataclass(frozen=True)
-class JointLaw:
+@dataclass(frozen=True, repr=False)
+class JointLaw(ShortRepr):
     """Energy per length of a joint, of the relative pose q = (u, w, s, phi) of its two scales.
 
     Attributes

@@ -234,7 +234,7 @@ class PrismContact(Barrier):
         return float(np.linalg.norm(forces[~self.rows.second], axis=1).sum())
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _fill_derivatives(
     y: FloatArray,
     stencils: IntArray,

@@ -24,12 +24,12 @@ _TOUCHING = 1e-16  # of D_hat: nearer is rounding
 _SHARE = 0.9  # of a distance that one step of collision detection may use up
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _dot(a: FloatArray, b: FloatArray) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def nearest(is_wall: bool, x: FloatArray, shares: FloatArray) -> tuple[float, int]:
     """Squared distance of a candidate, and how many of its features are at their rims.
 
@@ -70,14 +70,14 @@ def nearest(is_wall: bool, x: FloatArray, shares: FloatArray) -> tuple[float, in
     return _dot(arrow, arrow), code
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def barrier(d: float, d_hat: float) -> tuple[float, float, float]:
     """b(D) and its two derivatives by D, for D < D_hat."""
     r, ln = d - d_hat, np.log(d / d_hat)
     return -r * r * ln, -2.0 * r * ln - r * r / d, -2.0 * ln - 4.0 * r / d + (r / d) ** 2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def mollifier(sine: float) -> tuple[float, float, float]:
     """m of the squared sine of two edges' angle, and its two derivatives."""
     if sine >= PARALLEL:
@@ -86,7 +86,7 @@ def mollifier(sine: float) -> tuple[float, float, float]:
     return s * (2.0 - s), 2.0 * (1.0 - s) / PARALLEL, -2.0 / PARALLEL**2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def energy_of(is_wall: bool, x: FloatArray, d_hat: float, shares: FloatArray) -> float:
     """Barrier of a candidate, of stiffness 1; d_hat : mm2, squared."""
     squared, _ = nearest(is_wall, x, shares)
@@ -98,14 +98,14 @@ def energy_of(is_wall: bool, x: FloatArray, d_hat: float, shares: FloatArray) ->
     return energy if is_wall else energy * mollifier(_sine(x))[0]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sine(x: FloatArray) -> float:
     u, v = x[1] - x[0], x[3] - x[2]
     uv = _dot(u, v)
     return max(1.0 - uv * uv / (_dot(u, u) * _dot(v, v)), 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _combine(weights: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """out (3, jet) = sum of weights times rows, as functions of the rows' coordinates."""
     out[:] = 0.0
@@ -115,7 +115,7 @@ def _combine(weights: FloatArray, x: FloatArray, out: FloatArray) -> None:
             out[c, 1 + 3 * k + c] = weights[k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _cross(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -124,14 +124,14 @@ def _cross(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
         add_product(out[i], -1.0, a[k], b[j], N, 2)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _inner(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     constant(out, 0.0)
     for i in range(3):
         add_product(out, 1.0, a[i], b[i], N, 2)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _ratio(above: FloatArray, below: FloatArray, inverse: FloatArray, out: FloatArray) -> None:
     v = below[0]
     compose(inverse, below, 1.0 / v, -1.0 / v**2, 2.0 / v**3, N, 2)
@@ -139,7 +139,7 @@ def _ratio(above: FloatArray, below: FloatArray, inverse: FloatArray, out: Float
     add_product(out, 1.0, above, inverse, N, 2)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def barrier_jet(
     is_wall: bool, x: FloatArray, d_hat: float, work: FloatArray, out: FloatArray
 ) -> bool:
@@ -218,7 +218,7 @@ def barrier_jet(
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps: int) -> float:
     """Share of a candidate's straight way, (4, 3) to (4, 3), on which nothing passes through.
 
@@ -252,7 +252,7 @@ def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps:
     return done
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def total_energy(
     y: FloatArray, stencils: IntArray, walls: int, d_hat: float
 ) -> tuple[float, int, float]:
@@ -273,7 +273,7 @@ def total_energy(
     return energy, acting, smallest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def closer_than(
     y: FloatArray,
     stencils: IntArray,
@@ -293,7 +293,7 @@ def closer_than(
     return n
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def all_free_share(
     start: FloatArray, end: FloatArray, stencils: IntArray, walls: int, most_steps: int
 ) -> float:

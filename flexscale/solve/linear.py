@@ -3,7 +3,7 @@
 The upper triangle of the matrix comes as CSR values on a fixed pattern: the pattern is analyzed
 once, then factorized as often as its values change. Two backends: PARDISO (x86-64) and scipy's
 SuperLU, which works everywhere. `FLEXSCALE_LINEAR_SOLVER` = pardiso or superlu overrides the
-choice. Small matrices are taken as full ones.
+choice. Cells of few unknowns take their matrices as full ones (`DenseFactorization`).
 """
 
 from __future__ import annotations
@@ -156,13 +156,16 @@ class SuperLuFactorization:
 
 
 class DenseFactorization:
-    """Eigenvalues and eigenvectors of a small matrix as a full one: faster than sparse ones below
-    some sixty unknowns.
+    """Eigenvalues and eigenvectors of a full matrix: faster than sparse ones up to `SMALL`.
+
+    It refuses a matrix as singular at the rounding of its largest eigenvalue.
     """
+
+    SMALL = 60  # unknowns
 
     name = "dense"
 
-    def __init__(self, indptr: IntArray, indices: IntArray, order: IntArray | None = None) -> None:
+    def __init__(self, indptr: IntArray, indices: IntArray) -> None:
         n = len(indptr) - 1
         self._rows, self._columns = np.repeat(np.arange(n), np.diff(indptr)), np.asarray(indices)
         self._matrix = np.zeros((n, n))
@@ -189,7 +192,6 @@ def _address(array: np.ndarray, kind: Any) -> Any:
     return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
-SMALL = 60  # unknowns, up to which a full matrix is faster
 #: What a user may ask for.
 LINEAR_SOLVERS = ("auto", "pardiso", "superlu")
 _BACKENDS: dict[str, type[PardisoFactorization] | type[SuperLuFactorization]] = {
@@ -227,11 +229,8 @@ def build_factorization(
     """Analyze a pattern (CSR of the upper triangle, diagonal included) with the named backend.
 
     `order` (n,) is the unknown to eliminate at each place; by default the backend seeks one of
-    little fill. A small matrix is taken as a full one, whatever the name.
+    little fill.
     """
-    if len(indptr) - 1 <= SMALL:
-        available_linear_solver(name)
-        return DenseFactorization(indptr, indices, order)
     return _BACKENDS[available_linear_solver(name)](indptr, indices, order)
 
 

@@ -73,7 +73,7 @@ def test_dry_run_says_what_there_is_to_do_and_does_nothing(
     assert call(monkeypatch, "run", file, "--dry-run", "--results", results) == 0
     said = capsys.readouterr()
     assert said.out.count("to do") == 24
-    assert "24 of 24 jobs to do, with 116 samples; there is no earlier record of cell," in said.err
+    assert "24 of 24 jobs to do, with 310 samples; there is no earlier record of fit," in said.err
     assert not results.exists()
 
 

@@ -10,12 +10,13 @@ from flexscale.errors import UnknownNameError
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import (
     ENVIRONMENT_VARIABLE,
+    DenseFactorization,
     available_linear_solver,
     build_factorization,
 )
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
-BACKENDS = ["superlu", "pardiso"]
+BACKENDS = ["superlu", "pardiso", "dense"]
 N = 60
 
 
@@ -42,6 +43,8 @@ def build(name: str, dense: np.ndarray):
     if name == "pardiso":
         pytest.importorskip("pypardiso")
     indptr, indices, values = upper(dense)
+    if name == "dense":
+        return DenseFactorization(indptr, indices), indptr, values
     return build_factorization(indptr, indices, name), indptr, values
 
 

@@ -97,6 +97,7 @@ class CellProblem:
     contact : barrier between scales; None without scales or if switched off.
     barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
+    largest_step : mm-1, none: from sample to sample.
     area : rest area, mm2.
     system : factorizes on the present pattern of nonzeros, which contact may enlarge.
 
@@ -104,6 +105,8 @@ class CellProblem:
     ------
     PatternError : scales touch or intersect at rest.
     """
+
+    largest_step = np.inf
 
     def __init__(
         self,

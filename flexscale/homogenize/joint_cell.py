@@ -71,11 +71,14 @@ class JointCell:
     contact : barrier between scales; None if switched off.
     barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
+    largest_step : mm-1; longer ones pass from one stable state to another where scales press.
     area : rest area, mm2.
     system : factorizes the Hessian.
     jointed : (n_pairs,) whether a pair of neighbors shares joints; others can only touch.
     rows, columns : (nnz,) of the values of its upper triangle.
     """
+
+    largest_step = 1e-3
 
     def __init__(self, pattern: Pattern, law: JointLaw, native: NativeModel) -> None:
         self.pattern, self.law, self.native = pattern, law, native

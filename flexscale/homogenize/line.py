@@ -132,11 +132,16 @@ def follow_line(
         problem.fit_room(point.z, line.bend(point.curvature))
         if not len(point.rate):
             point, solution = _start(problem, line)
-        before, effort = point, Effort(1)
+        before, effort = point, Effort(0 if curvature > 0.0 else 1)
         if curvature > 0.0:
             path = _Bending(problem, line)
-            arrival = advance(path, point, curvature, options, _STEPPING)
-            point, solution, effort = arrival.point, arrival.solution, arrival.effort
+            for target in _stops(point.curvature, curvature, problem.largest_step):
+                arrival = advance(path, point, target, options, _STEPPING)
+                point, solution = arrival.point, arrival.solution
+                effort.iterations += arrival.effort.iterations
+                effort.unstable += arrival.effort.unstable
+                if solution.status != SolveStatus.converged:
+                    break
         status = solution.status
         sample = {
             "curvature": curvature,
@@ -155,6 +160,13 @@ def follow_line(
         if status == SolveStatus.converged:
             stiffness = sample.get("barrier_stiffness", 0.0)
             set_barrier(problem, sample)
+
+
+def _stops(start: float, end: float, largest: float) -> FloatArray:
+    """Curvatures on the way from one to another, the last of them included, in even steps."""
+    n = max(1, int(np.ceil((end - start) / largest - 1e-9)))
+    stops: FloatArray = np.linspace(start, end, n + 1)[1:]
+    return stops
 
 
 @dataclass(frozen=True)

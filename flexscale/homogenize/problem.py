@@ -90,6 +90,7 @@ class Problem(Protocol):
     contact : None without scales or if switched off.
     barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
+    largest_step : mm-1, of the curvature from one equilibrium to the next.
     area : rest area, mm2; gap : mm, between scales at rest; n_scales : of the cell.
     """
 
@@ -97,6 +98,7 @@ class Problem(Protocol):
     active: IntArray
     barrier_stiffness: float
     part_names: tuple[str, ...]
+    largest_step: float
     area: float
 
     @property

@@ -11,7 +11,7 @@ import struct
 import uuid
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -69,7 +69,7 @@ class FileCheckpoint:
             if path.name >= first.name:
                 shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
 
-    def append(self, line_key: str, sample: dict[str, Any]) -> None:
+    def append(self, line_key: str, sample: Mapping[str, Any]) -> None:
         """Store one more sample of the line, atomically.
 
         `sample` may hold numbers, text, bool, None, numpy arrays, and lists or dicts of them.
@@ -97,10 +97,10 @@ class FileCheckpoint:
         return self.folder / f"line-{quote(line_key, safe='')}" / f"{index:06d}.npz"
 
 
-def _pack(sample: dict[str, Any]) -> bytes:
+def _pack(sample: Mapping[str, Any]) -> bytes:
     """Bytes of a sample: structure as JSON, arrays beside it; each zip member has a checksum."""
     arrays: dict[str, np.ndarray] = {}
-    text = json.dumps(_split(sample, arrays))
+    text = json.dumps(_split(dict(sample), arrays))
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, structure=np.frombuffer(text.encode(), np.uint8), **arrays)
     return buffer.getvalue()

@@ -138,9 +138,10 @@ def bend_native_sheet(
     check_bends(length, curvatures, (side,))
     line = Line(side, 0.0, tuple(float(k) for k in curvatures))
     for sample in follow_line(sheet, line, solver or SolverOptions()):
+        told: dict[str, Any] = dict(sample)
         if "stretch" in sample:
-            sample["slide"] = float(sample["stretch"][0] - 1.0) * length
-        yield sample
+            told["slide"] = float(sample["stretch"][0] - 1.0) * length
+        yield told
 
 
 def check_bends(length: float, curvatures: Sequence[float], sides: Sequence[str]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -25,7 +25,7 @@ class Checkpoint(Protocol):
     ) -> list[dict[str, Any]]:
         """Finished samples of a line, in order, up to the first that does not fit its number."""
 
-    def append(self, line_key: str, sample: dict[str, Any]) -> None:
+    def append(self, line_key: str, sample: Mapping[str, Any]) -> None:
         """Keep one more sample of a line, after those that `load` gave."""
 
 

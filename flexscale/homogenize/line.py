@@ -9,9 +9,9 @@ whether there is more than one branch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.problem import Bent, Problem
+from flexscale.homogenize.sample import Sample
 from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.continuation import Effort, Stepping, advance
 from flexscale.solve.newton import Solution, solve_equilibrium
@@ -28,15 +29,6 @@ from flexscale.status import SolveStatus
 _STEPPING = Stepping(smallest=1.0 / 256.0)
 _EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
 _TIGHT, _STIFFEN = 0.1, 8.0  # multiply the barrier where gaps fall below this share of d_hat
-
-_POINT = (
-    "curvature",
-    "state",
-    "rate",
-    "second_rate",
-    "energy_density",
-    "moment",
-)  # of a sample: a `_Point`
 
 
 @dataclass(frozen=True)
@@ -96,12 +88,24 @@ class _Point:
         return _EXCESS * max(quadratic, linear)
 
 
+def _point_of(sample: Sample) -> _Point:
+    """Where a line goes on from a sample that a checkpoint kept."""
+    return _Point(
+        sample["curvature"],
+        sample["state"],
+        sample["rate"],
+        sample["second_rate"],
+        sample["energy_density"],
+        sample["moment"],
+    )
+
+
 def follow_line(
     problem: Problem,
     line: Line,
     options: SolverOptions,
-    finished: Sequence[dict[str, Any]] = (),
-) -> Iterator[dict[str, Any]]:
+    finished: Sequence[Sample] = (),
+) -> Iterator[Sample]:
     """Yield the line's samples one after the other, those of `finished` left out.
 
     Each sample is predicted along dz/dkappa, or a parabola, from the one before. A step that fails
@@ -121,7 +125,7 @@ def follow_line(
     for sample in finished:
         status = SolveStatus(sample["status"])
         if status == SolveStatus.converged:
-            point = _Point(*(sample.get(name, 0) for name in _POINT))
+            point = _point_of(sample)
             stiffness = sample.get("barrier_stiffness", 0.0)
             set_barrier(problem, sample)
     for curvature in line.curvatures[len(finished) :]:
@@ -189,16 +193,16 @@ class _Bending:
         return _next_point(self.problem, self.line, before, curvature, solution)
 
 
-def load_line(problem: Problem, line: Line, checkpoint: Checkpoint | None) -> list[dict[str, Any]]:
+def load_line(problem: Problem, line: Line, checkpoint: Checkpoint | None) -> list[Sample]:
     """Finished samples of a line from which `follow_line` can go on."""
     needed = {"energy_density", "moment"}
     if problem.contact is not None:
         needed |= {"min_gap", "barrier_stiffness"}
-    axis = ("curvature", line.curvatures)
-    return load_finished(checkpoint, line.key, axis, len(problem.embedding.rest), needed)
+    axis, size = ("curvature", line.curvatures), len(problem.embedding.rest)
+    return cast(list[Sample], load_finished(checkpoint, line.key, axis, size, needed))
 
 
-def set_barrier(problem: Problem, sample: dict[str, Any] | None) -> None:
+def set_barrier(problem: Problem, sample: Mapping[str, Any] | None) -> None:
     """Stiffness of the barrier for the sample that follows `sample`; None at the start of a line.
 
     The distance that scales keep must stay well above rounding, however hard they press.
@@ -267,7 +271,7 @@ def _rate(problem: Problem, line: Line, curvature: float, solution: Solution) ->
 
 def _bend_back(
     problem: Problem, line: Line, point: _Point, curvature: float, options: SolverOptions
-) -> dict[str, float]:
+) -> Sample:
     """Energy density and moment at a smaller curvature, met from `point`; none if not reached."""
     predicted = _predict(problem, line, point, curvature)
     start = point.z if predicted is None else predicted
@@ -321,12 +325,12 @@ def _is_free(problem: Problem, line: Line, point: _Point, state: Any) -> bool:
     return problem.contact.free_share(start, state.world.y) >= 1.0
 
 
-def _measure(problem: Problem, line: Line, curvature: float, solution: Solution) -> dict[str, Any]:
+def _measure(problem: Problem, line: Line, curvature: float, solution: Solution) -> Sample:
     """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
     state = solution.evaluation
     energy_density, moment = _energy_and_moment(problem, line, curvature, solution)
     s = solution.z[-3:]
-    numbers: dict[str, Any] = {
+    numbers: Sample = {
         "energy_density": energy_density,
         "moment": moment,
         "stretch": np.array([1.0 + s[0], 1.0 + s[1], s[2]]),
@@ -341,7 +345,6 @@ def _measure(problem: Problem, line: Line, curvature: float, solution: Solution)
         numbers["contact_pairs"] = problem.contact.active_pairs(y)
         numbers["contact_force"] = problem.contact.force(y)
         numbers["barrier_stiffness"] = problem.contact.stiffness
-    numbers |= problem.facts_of(state)
-    for name, part in zip(problem.part_names, state.parts, strict=True):
-        numbers[f"energy_density_{name}"] = float(part) / problem.area
-    return numbers
+    named = zip(problem.part_names, state.parts, strict=True)
+    parts = {f"energy_density_{name}": float(part) / problem.area for name, part in named}
+    return cast(Sample, {**numbers, **problem.facts_of(state), **parts})

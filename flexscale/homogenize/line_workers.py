@@ -14,15 +14,15 @@ import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.connection import Connection
 from threading import Lock, Thread
-from typing import Any
+from typing import Any, cast
 
 from flexscale.homogenize.checkpoint import STATE, Checkpoint
 from flexscale.homogenize.line import Line
 from flexscale.homogenize.line_worker import DONE, FAILED
+from flexscale.homogenize.sample import Sample
 from flexscale.processes import ProcessEndedError, child_environment, describe_end, python_command
 from flexscale.solve.solver_options import SolverOptions
 
-Sample = dict[str, Any]
 _WORKER = "flexscale.homogenize.line_worker"
 _GRACE = 5.0  # s that a worker whose socket is closed has to end before its code is asked for
 
@@ -78,7 +78,8 @@ class LineWorkers:
                 working -= 1
                 continue
             line, sample = result
-            yield line, {name: sample[name] for name in sample if name not in STATE}
+            kept = {name: value for name, value in sample.items() if name not in STATE}
+            yield line, cast(Sample, kept)
 
     def __enter__(self) -> LineWorkers:
         return self

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flexscale import checks
 from flexscale.checks import checked, flag, function, series, whole
@@ -20,6 +20,7 @@ from flexscale.homogenize.line import Line, follow_line, load_line
 from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.homogenize.problem import Problem
+from flexscale.homogenize.sample import Sample
 from flexscale.homogenize.sweep_dataset import build_dataset_of
 from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error
 from flexscale.homogenize.tangent import solve_tangent
@@ -148,7 +149,7 @@ def run_lines(
     solver: SolverOptions,
     checkpoint: Checkpoint | None = None,
     on_sample: Callable[[SampleEvent], None] | None = None,
-) -> dict[tuple[str, float], list[dict[str, Any]]]:
+) -> dict[tuple[str, float], list[Sample]]:
     """Samples of lines by side and direction, one line after the other in this process."""
     return _collect(_in_turn(problem, lines, solver, checkpoint), lines, on_sample)
 
@@ -187,7 +188,7 @@ def check_sweep(
 
 def _run_line(
     problem: Problem, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Sample]:
     finished = load_line(problem, line, checkpoint)
     yield from finished
     for sample in follow_line(problem, line, solver, finished):
@@ -201,7 +202,7 @@ def _in_turn(
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None,
-) -> Iterator[tuple[Line, dict[str, Any]]]:
+) -> Iterator[tuple[Line, Sample]]:
     for line in lines:
         for sample in _run_line(problem, line, solver, checkpoint):
             yield line, sample
@@ -213,21 +214,21 @@ def _in_processes(
     solver: SolverOptions,
     checkpoint: Checkpoint | None,
     workers: int,
-) -> Iterator[tuple[Line, dict[str, Any]]]:
+) -> Iterator[tuple[Line, Sample]]:
     finished = partial(load_line, problem, checkpoint=checkpoint)
     with LineWorkers(problem.parts, solver, finished, checkpoint) as pool:
         yield from pool.run(lines, workers)
 
 
 def _collect(
-    results: Iterator[tuple[Line, dict[str, Any]]],
+    results: Iterator[tuple[Line, Sample]],
     lines: Sequence[Line],
     on_sample: Callable[[SampleEvent], None] | None,
-) -> dict[tuple[str, float], list[dict[str, Any]]]:
+) -> dict[tuple[str, float], list[Sample]]:
     start = time.perf_counter()
     total = sum(len(line.curvatures) for line in lines)
     failed = 0
-    samples: dict[tuple[str, float], list[dict[str, Any]]] = {}
+    samples: dict[tuple[str, float], list[Sample]] = {}
     for done, (line, sample) in enumerate(results, start=1):
         samples.setdefault((line.side, line.direction), []).append(sample)
         status = SolveStatus(sample["status"])

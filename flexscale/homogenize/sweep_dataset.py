@@ -9,6 +9,7 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.datasets.kinds.sweep import ENERGY_PARTS, build_sweep_dataset
+from flexscale.homogenize.sample import Sample
 from flexscale.homogenize.symmetry import Source, turn_stretch
 from flexscale.patterns import Pattern
 from flexscale.status import SolveStatus
@@ -21,7 +22,7 @@ def build_dataset_of(
     pattern: Pattern,
     scalars: dict[str, float | str],
     options: dict[str, Any],
-    samples: dict[tuple[str, float], list[dict[str, Any]]],
+    samples: dict[tuple[str, float], list[Sample]],
     axes: tuple[Sequence[str], Sequence[float], Sequence[float]],
     sources: Sequence[Source],
 ) -> xr.Dataset:
@@ -45,7 +46,8 @@ def build_dataset_of(
         for i, side in enumerate(sides):
             for j, source in enumerate(sources):
                 for k, sample in enumerate(samples[side, source.direction]):
-                    out[i, j, k] = sample.get(name, missing)
+                    value: Any = sample.get(name, missing)
+                    out[i, j, k] = value
         return out
 
     reals: tuple[str, ...] = ("energy_density", "moment", "residual_norm", "mean_offset")

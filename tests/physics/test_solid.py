@@ -120,15 +120,15 @@ def test_moment_is_the_slope_of_the_energy_through_contact() -> None:
 
 
 def test_sweeps_work_and_tell_the_model() -> None:
-    """One sample: its moment is the tangent's, and its energy is all told as stretching."""
+    """One sample: its moment is the tangent's, and its energy is the solid's."""
     found = fs.sweep(square(), [0.0], [1e-4], ["closing"], model=COARSE, workers=1)
     moment = float(found["moment"].squeeze())
     assert moment == pytest.approx(
         1e-4 * fs.tangent_stiffness(square(), model=COARSE).stiffness(0.0), rel=1e-3
     )
     assert read_config(found)["native"] == "solid"
-    assert float(found["energy_density_bending"].squeeze()) == 0.0
-    assert float(found["energy_density_membrane"].squeeze()) > 0.0
+    assert float(found["energy_density_solid"].squeeze()) > 0.0
+    assert "energy_density_bending" not in found
     assert 0.0 < found.attrs["mesh_error_at_rest"] < 0.5
 
 
@@ -138,8 +138,9 @@ def test_levels_are_finest_at_the_upper_face() -> None:
 
 
 def test_recipes_of_shells_do_not_name_the_solid() -> None:
-    """Stored datasets keep their identity; a solid's recipe makes it again."""
-    assert not {"native", "solid", "name"} & fs.NativeModel().to_config().keys()
+    """What a model does not have is not in its recipe; a solid's recipe makes it again."""
+    assert "solid" not in fs.NativeModel("shell").to_config()
+    assert "substrate" not in COARSE.to_config()
     assert fs.NativeModel.from_config(COARSE.to_config()) == COARSE
     assert COARSE.to_config()["native"] == "solid"
 
@@ -154,7 +155,7 @@ def test_what_the_memory_does_not_hold_is_refused(monkeypatch: pytest.MonkeyPatc
 
 
 def test_finite_sheets_are_shells() -> None:
-    with pytest.raises(fs.errors.ConfigError, match="is a shell, not a 'solid'"):
+    with pytest.raises(fs.errors.ConfigError, match="of the native model 'shell', not 'solid'"):
         fs.simulate_native_sheet(
             square(), length=30.0, width=30.0, curvatures=(0.001,), model=COARSE
         )

@@ -94,6 +94,7 @@ ALL = (
     Page("substrate_bending"),
     Page("joint_section"),
     Page("joint_laws"),
+    Page("joint_cells"),
     Page("contact_convergence"),
     Page("branches"),
     Page("never_stuck", reads="named_patterns"),

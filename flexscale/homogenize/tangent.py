@@ -47,10 +47,23 @@ class TangentStiffness(ShortRepr):
         in mm-1, free of in-plane forces.
     in_plane : (3, 3) N mm-1, energy density 1/2 E^T A E for Green strain E = (E_xx, E_yy, 2 E_xy),
         held flat.
+    coupling : (3, 3) N, B in energy density E^T B k, of strain and curvature together; None where
+        only the others are known. Strain is that of the surface to which curvatures refer.
     """
 
     matrix: FloatArray
     in_plane: FloatArray
+    coupling: FloatArray | None = None
+
+    @property
+    def held(self) -> FloatArray | None:
+        """(3, 3) N mm, bending stiffness at E = 0: D = C + B^T A^-1 B."""
+        if self.coupling is None:
+            return None
+        found: FloatArray = self.matrix + self.coupling.T @ np.linalg.solve(
+            self.in_plane, self.coupling
+        )
+        return found
 
     def stiffness(self, direction: ArrayLike) -> float | FloatArray:
         """a = C : (n n n n) for bending in `direction` [degrees], N mm; of the same shape."""
@@ -95,7 +108,10 @@ def solve_tangent(problem: Problem) -> TangentStiffness:
     bends = problem.flat_bends()
     relaxed = [[load @ answer for answer in bends.relaxed] for load in bends.loads]
     matrix = bends.fixed + np.array(relaxed)
-    return TangentStiffness(0.5 * (matrix + matrix.T) / problem.area, _in_plane(problem))
+    in_plane = _in_plane(problem)
+    # Free of in-plane forces E = -A^-1 B k: the strain that relaxes unit curvatures.
+    strain = np.diag([1.0, 1.0, 2.0]) @ np.array([answer[-3:] for answer in bends.relaxed]).T
+    return TangentStiffness(0.5 * (matrix + matrix.T) / problem.area, in_plane, -in_plane @ strain)
 
 
 def _in_plane(problem: Problem) -> FloatArray:

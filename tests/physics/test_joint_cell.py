@@ -230,3 +230,23 @@ def test_squares_along_a_side_are_the_plane_problem(curvature: float) -> None:
     data = fs.sweep(fs.named_pattern("square"), [0.0], kappas, (side,), model=MODEL, workers=1)
     ratio = data.moment.values[0, 0, 1] / moment
     assert abs(ratio - 1.0) < 0.01 if curvature < 0.015 else 0.95 < ratio < 0.98
+
+
+def test_coupling_is_that_of_strain_and_curvature_together() -> None:
+    """Held at S = 0 and bent, the flat cell has the energy 1/2 k^T D k, and the force B k."""
+    problem = JointCell(fs.named_pattern("chevron"), LAW, MODEL.without_contact)
+    tangent = solve_tangent(problem)
+    assert tangent.coupling is not None
+    assert tangent.held is not None
+    size, dome = 1e-4, np.array([[1.0, 0.2], [0.2, 0.7]])
+    held = problem.active[1:-3]  # its one scale stays on the cylinder [Eq. 8]
+    bent = problem.bent(TensorBend(size, dome))
+    z = problem.embedding.rest.copy()
+    for _ in range(4):  # Newton's method on all unknowns but S
+        state = bent.evaluate(z)
+        matrix = full(problem, bent.hessian_values(state))[1:-3, 1:-3]
+        z[held] -= np.linalg.solve(matrix, state.gradient[1:-3])
+    state, k = bent.evaluate(z), size * np.array([1.0, 0.7, 0.4])
+    assert state.energy / problem.area == pytest.approx(0.5 * k @ tangent.held @ k, rel=1e-3)
+    force = state.gradient[-3:] / problem.area * [1.0, 1.0, 0.5]
+    assert force == pytest.approx(tangent.coupling @ k, rel=0.01, abs=1e-3 * np.abs(force).max())

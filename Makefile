@@ -25,7 +25,7 @@ help:
 	@echo "make lock         renew requirements.lock from pyproject.toml"
 	@echo "make clean        remove .venv and caches; results stay"
 
-setup: .venv/.system
+setup: .venv/.kernels
 
 quickstart: setup
 	@$(BIN)/flexscale run workflows/quickstart.yaml --cores $(CORES)
@@ -51,7 +51,7 @@ lock: setup
 clean:
 	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
-# --- set-up, in three steps that are done once each -----------------------------------------
+# --- set-up, in four steps that are done once each -----------------------------------------
 # Each leaves its stamp when it is done. A step that was interrupted is done again from its start.
 
 .venv/.python:
@@ -83,4 +83,10 @@ clean:
 
 .venv/.system: .venv/.packages
 	@$(BIN)/flexscale doctor --fix --quiet
+	@touch $@
+
+# Kernels of cells on joints are compiled and kept: the first results need not wait for it.
+.venv/.kernels: .venv/.system
+	@echo "set-up: compiling kernels, once" >&2
+	@$(BIN)/python -c 'import flexscale as fs; fs.sweep(fs.named_pattern("square"), [0], [0, 0.005, 0.012], workers=1)'
 	@touch $@

@@ -116,7 +116,7 @@ def side_by_side() -> list[str]:
             model = fs.NativeModel(native)
             problem = build_problem(pattern, model)
             solve_tangent(problem)
-            cost(problem, model.solver)  # compiles
+            list(follow_line(problem, Line("closing", 7.0, (0.001,)), model.solver))  # compiles
             found[native] = (len(problem.active), *cost(problem, model.solver))
         (n, a, b), (m, c, d) = found["joints"], found["shell"]
         times = [f"{a:.2f}", f"{c:.1f}", f"{b:.2f}", f"{d:.0f}", f"{d / b:.0f}"]

@@ -14,12 +14,14 @@ from flexscale.embedding.pair_kernels import place_pairs, place_rows, pull_force
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
 from flexscale.mechanics.jets import jet_size
 from flexscale.mechanics.prism_contact import PrismRows, find_prism_rows
+from flexscale.patterns.cell import polygon_area
 from flexscale.patterns.joint_lines import Joint
 from flexscale.patterns.pattern import Pattern
 from flexscale.tilings.lattice import reduction
 
-#: In-plane reach of contact beyond a scale's outline, as a share of the root of the mean tile area.
-REACH = 0.25
+#: In-plane reach of contact beyond a scale's outline: shares of the root of the largest tile's area,
+#: of the gap, and of the height of scales, whose tops move the farther the higher they are.
+REACH = (0.25, 2.0, 0.6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +65,9 @@ def find_rigid_scales(pattern: Pattern, joints: Sequence[Joint], touch: bool = T
     anchors = np.array([center for _, center, _ in facts])
     areas = np.array([area for area, _, _ in facts])
     names = [(joint.first, joint.second, joint.offset) for joint in joints]
-    reach = REACH * float(np.sqrt(pattern.cell_area / len(outlines)))
+    largest = max(polygon_area(tile) for tile in pattern.tiles)
+    sizes = (float(np.sqrt(largest)), pattern.gap, pattern.scale_height)
+    reach = max(share * size for share, size in zip(REACH, sizes, strict=True))
     if touch:
         known = set(names)
         names += [name for name in _near(outlines, pattern.lattice, reach) if name not in known]

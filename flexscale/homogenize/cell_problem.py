@@ -150,6 +150,11 @@ class CellProblem:
         return self.mesh.n_scales
 
     @property
+    def facts(self) -> dict[str, Any]:
+        """Nothing: pattern and options say it all."""
+        return {}
+
+    @property
     def doubts(self) -> tuple[str, ...]:
         """None: what a shell in the gap is not, is told where the model is chosen."""
         return ()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +21,6 @@ from flexscale.patterns.material import modulus_band
 
 if TYPE_CHECKING:
     import xarray as xr
-
-log = logging.getLogger(__name__)
 
 _ORDER = 2.0
 _DIRECTIONS = np.arange(0.0, 180.0, 5.0)
@@ -81,4 +78,3 @@ def note_errors(
         )
     if problem.doubts:
         dataset.attrs["doubts"] = "; ".join(problem.doubts)
-        log.warning("%s: %s.", pattern.name, dataset.attrs["doubts"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,7 @@ from flexscale.embedding.pair_kernels import (
 )
 from flexscale.embedding.rigid_cell import RigidCell, RigidWorld, find_rigid_scales
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
+from flexscale.errors import PatternError
 from flexscale.homogenize.joint_display import JointDisplay
 from flexscale.homogenize.joint_validity import doubts
 from flexscale.homogenize.keep_apart import keep_apart
@@ -34,6 +36,8 @@ from flexscale.patterns.joint_lines import Joint, find_joints
 from flexscale.patterns.pattern import Pattern
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import DenseFactorization, Factorization, build_factorization
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -97,8 +101,34 @@ class JointCell:
 
     @classmethod
     def from_pattern(cls, pattern: Pattern, native: NativeModel) -> JointCell:
-        """The cell of a pattern on the joints that its gap, sheet and materials make."""
-        return cls(pattern, native.law or joint_law(pattern), native)
+        """The cell of a pattern on the joints that its gap, sheet and materials make.
+
+        Raises
+        ------
+        PatternError : joints cannot be computed, do not hold the scales together, or are those of
+            another sheet.
+        """
+        law, sheet = native.law or joint_law(pattern), pattern.substrate_material
+        if not np.allclose(
+            (law.thickness, law.modulus),
+            (pattern.substrate_thickness, sheet.young_modulus),
+            rtol=1e-9,
+        ):
+            raise PatternError(
+                f"The law given is of a sheet of {law.thickness:g} mm and {law.modulus:g} MPa, the "
+                f"pattern's has {pattern.substrate_thickness:g} mm and {sheet.young_modulus:g} MPa: "
+                "take the law of this pattern."
+            )
+        cell = cls(pattern, law, native)
+        rest = cell.bent(Bend(0.0, 0.0))
+        if cell.system.factorize(rest.hessian_values(rest.evaluate(cell.embedding.rest))) > 0:
+            raise PatternError(
+                f"Joints do not hold the scales of this pattern together: at a gap of "
+                f"{pattern.gap:g} mm too few of their walls face one another. Narrow the gap."
+            )
+        for doubt in cell.doubts:
+            log.warning("%s: %s.", pattern.name, doubt)
+        return cell
 
     def _place_joints(self, joints: Sequence[Joint]) -> None:
         scales = self.embedding.scales
@@ -168,6 +198,11 @@ class JointCell:
     def n_scales(self) -> int:
         """In the cell."""
         return self.embedding.scales.n_scales
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Which law the joints have."""
+        return {"joint_law": self.law.digest}
 
     @property
     def doubts(self) -> tuple[str, ...]:

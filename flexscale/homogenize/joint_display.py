@@ -14,6 +14,7 @@ from flexscale.mechanics.prism_contact import PrismContact
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns.pattern import Pattern
+from flexscale.tilings.lattice import reduction
 
 #: Of a picture: nothing is computed with it.
 MESH = MeshOptions(along=1.0, corner=0.5, scale_size=5.0, scale_layers=1, scale_order=1)
@@ -47,13 +48,14 @@ class JointDisplay:
     def _find_carriers(self) -> tuple[list[tuple[int, FloatArray]], FloatArray]:
         """Images of scales (number, lattice vector), and their weights (n_points, n_images)."""
         pattern = self.pattern
+        short = reduction(pattern.lattice) @ pattern.lattice
         outlines = [shapely.Polygon(outline) for outline in pattern.outlines()]
         points = shapely.points(self.rest[:, :2])
         images, weights = [], []
         reach = 4.0 * pattern.gap
         for m in range(-2, 3):
             for n in range(-2, 3):
-                shift = np.array([m, n]) @ pattern.lattice
+                shift = np.array([m, n]) @ short
                 for scale, outline in enumerate(outlines):
                     moved = shapely.transform(outline, lambda xy, shift=shift: xy + shift)
                     distance = shapely.distance(points, moved)

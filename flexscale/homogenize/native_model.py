@@ -97,15 +97,13 @@ class NativeModel:
     def to_config(self, parts: Sequence[str] | None = None) -> dict[str, Any]:
         """Name, and options by part, those of `parts` alone if given; plain numbers and text.
 
-        Options that the model does not have are left out.
+        Options that the model does not have are left out; so is the law, whose digest results tell.
 
         `from_config` is the inverse.
         """
         kept = [part for part in PARTS if part not in _WITHOUT.get(self.name, ())]
         kept = [part for part in kept if parts is None or part in parts]
         options = {part: getattr(self, part).to_config() for part in kept}
-        if self.law is not None:
-            options["joint_stiffness"] = self.law.stiffness.tolist()
         return {NAME: self.name, **options}
 
     @classmethod

@@ -118,6 +118,10 @@ class Problem(Protocol):
         """Linear systems on the present pattern of nonzeros."""
 
     @property
+    def facts(self) -> dict[str, Any]:
+        """What results depend on beyond pattern and options, for their configuration."""
+
+    @property
     def doubts(self) -> tuple[str, ...]:
         """Sentences on what of the pattern the model was not compared with solids for."""
 

@@ -128,7 +128,7 @@ def sweep(
     else:
         results = _in_turn(problem, lines, native.solver, checkpoint)
     samples = _collect(results, lines, on_sample)
-    options = native.to_config() | {"symmetry": symmetry}
+    options = native.to_config() | problem.facts | {"symmetry": symmetry}
     axes = (sides, directions, kappa)
     dataset = build_dataset_of(
         pattern, pattern_scalars(pattern, native), options, samples, axes, sources

@@ -70,8 +70,8 @@ def build_dataset_of(
         arrays[name][..., :-1] = array(name, np.nan)[..., 1:]
     solved = [source.direction for source in sources]
     arrays["symmetry_source"] = np.broadcast_to(solved, shape[:2])
-    for name in counts:
-        arrays[name] = array(name, 0, np.int32)
+    for name in counts:  # what is beyond a range is not known of samples that did not converge
+        arrays[name] = array(name, -1 if name == "outside_range" else 0, np.int32)
     arrays["status"] = array("status", int(SolveStatus.not_run), np.int8)
     config = {
         "pattern": pattern.to_config(),

@@ -111,7 +111,7 @@ def joint_key(
     grooves: list[tuple[float, float]] = []
     if groove is not None:
         start = groove.first
-        while start < depth:
+        while start < depth * (1.0 - 1e-9):
             grooves.append((_round(start / thickness), _round((start + groove.width) / thickness)))
             start += groove.pitch
     return JointKey(

@@ -10,18 +10,23 @@ import logging
 import os
 import tempfile
 import zipfile
+import zlib
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from flexscale.errors import BadInputError
 from flexscale.joints.compute import SolvedJoint
 from flexscale.joints.key import JointKey
 from flexscale.kernel_cache import can_be_written, user_cache
 
 log = logging.getLogger(__name__)
 
+#: What numpy and zlib raise of files that are damaged, or are something else.
+_DAMAGE = (OSError, ValueError, KeyError, EOFError, TypeError, AttributeError, zlib.error,
+           zipfile.BadZipFile, BadInputError)  # fmt: skip
 SHIPPED = Path(__file__).with_name("data")
 #: States are for figures, and kept in single precision; the law itself is kept in double.
 _TYPES = {
@@ -45,7 +50,7 @@ def load_joint(key: JointKey) -> SolvedJoint | None:
             found = _read(path, key)
         except FileNotFoundError:
             continue
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        except _DAMAGE as error:
             log.warning("%s cannot be read and is made again: %s", path, error)
             continue
         if found is not None:
@@ -95,4 +100,6 @@ def _read(path: Path, key: JointKey) -> SolvedJoint | None:
             return None
         arrays = {name: file[name].astype(_LOADED.get(kind, kind)) for name, kind in _TYPES.items()}
     n_missing = int(arrays.pop("n_missing"))
-    return SolvedJoint(key=key, n_missing=n_missing, **arrays)
+    found = SolvedJoint(key=key, n_missing=n_missing, **arrays)
+    found.law(1.0, 1.0)  # checks its arrays
+    return found

@@ -17,6 +17,7 @@ is no law of the section: results beyond the bounds are to be flagged, see `Join
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -206,11 +207,28 @@ class JointLaw(ShortRepr):
     errors: FloatArray = field(default_factory=lambda: np.zeros(5))
 
     def __post_init__(self) -> None:
+        n = len(self.coefficients)
+        if self.exponents.shape != (n, 4) or self.bounds.shape != (4, 2):
+            raise BadInputError(
+                f"A joint's law with {n} coefficients needs exponents (n, 4) and bounds (4, 2), not "
+                f"{self.exponents.shape} and {self.bounds.shape}."
+            )
+        if not (np.isfinite(self.coefficients).all() and np.isfinite(self.bounds).all()):
+            raise BadInputError("A joint's law has coefficients or bounds that are not finite.")
         if self.exponents.max(initial=0) > MOST_POWER or self.exponents.min(initial=0) < 0:
             raise BadInputError(
                 f"A joint's law has a power of {self.exponents.max()}: give powers from 0 to "
                 f"{MOST_POWER}."
             )
+
+    @property
+    def digest(self) -> str:
+        """Sixteen digits that stand for all that its energies and range depend on."""
+        parts = (self.exponents, self.coefficients, self.bounds, np.array(self.band))
+        total = hashlib.sha256(np.array([self.thickness, self.modulus]).tobytes())
+        for part in parts:
+            total.update(np.ascontiguousarray(part, dtype=float).tobytes())
+        return total.hexdigest()[:16]
 
     @property
     def arguments(self) -> tuple[IntArray, FloatArray, float, float, FloatArray]:

@@ -46,12 +46,6 @@ class Joint:
     normals: FloatArray
     weights: FloatArray
 
-    @property
-    def turned(self) -> Joint:
-        """The same, seen from the second scale."""
-        m, n = self.offset
-        return Joint(self.second, self.first, (-m, -n), self.points, -self.normals, self.weights)
-
 
 def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]:
     """All joints of one lattice cell, one for each two scales that share edges.
@@ -62,9 +56,9 @@ def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]
 
     Raises
     ------
-    PatternError : two scales share an edge along which their walls do not face one another.
+    PatternError : no walls face one another at all. Two scales of which this is so have no joint.
     """
-    tiles, lattice = pattern.tiles, pattern.lattice
+    tiles = pattern.tiles
     partner, offset = _partners(pattern)
     facing = [_facing(tile, pattern.gap) for tile in tiles]
     start = np.concatenate([[0], np.cumsum([len(tile) for tile in tiles])])
@@ -91,7 +85,6 @@ def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]
         raise PatternError(
             f"No two scales face one another across the gap of {pattern.gap:g} mm: narrow it."
         )
-    del lattice
     return joints
 
 
@@ -106,6 +99,11 @@ def _partners(pattern: Pattern) -> tuple[IntArray, IntArray]:
     pairs = cKDTree(wrapped, boxsize=1.0).query_pairs(_SAME, output_type="ndarray")
     partner = np.full(len(places), -1, dtype=np.int64)
     partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
+    if (partner < 0).any():
+        raise PatternError(
+            "Two tiles do not have an edge between them in common to 1e-6 of the cell: give corners "
+            "to more digits."
+        )
     return partner, np.rint(places - places[partner]).astype(np.int64)
 
 

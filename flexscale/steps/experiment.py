@@ -76,6 +76,7 @@ class Experiment(Block):
 
     @model_validator(mode="after")
     def _all_goes_together(self) -> Self:
+        _ = self.model  # refuses options that it does not have
         for figure in self.figures:
             self._require(FIGURES[figure].needs[0], f"the figure {figure!r}")
         for step, block in self.asked():

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: Options of the native model that a step depends on: of a mesh, of a flat cell, of a bent one.
 MESH = ("mesh", "solid")
-FLAT = ("mesh", "substrate", "scales")
+FLAT = (*MESH, "substrate", "scales")
 BENT = (*FLAT, "contact", "solver")
 
 

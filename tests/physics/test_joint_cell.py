@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -21,6 +22,7 @@ from tests.physics.cells import D
 
 LAW = fs.joint_law(fs.named_pattern("square", scale_material=fs.RIGID))
 MODEL = fs.NativeModel(law=LAW, solver=fs.SolverOptions(tolerance=1e-12))
+SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
 OBLIQUE = np.array([[0.0, 0.0], [11.0, 0.0], [13.0, 8.0], [2.0, 8.0]])
 
 
@@ -250,3 +252,16 @@ def test_coupling_is_that_of_strain_and_curvature_together() -> None:
     assert state.energy / problem.area == pytest.approx(0.5 * k @ tangent.held @ k, rel=1e-3)
     force = state.gradient[-3:] / problem.area * [1.0, 1.0, 0.5]
     assert force == pytest.approx(tangent.coupling @ k, rel=0.01, abs=1e-3 * np.abs(force).max())
+
+
+def test_small_scales_beside_wide_gaps_can_touch() -> None:
+    """What can meet is sought farther than the gap, however small the tiles."""
+    small = Pattern.from_polygons([0.2 * SQUARE], [2.0, 0.0], [0.0, 2.0], gap=0.6, scale_height=4.0)
+    problem = JointCell(small, replace(LAW, thickness=0.4), MODEL)
+    assert len(problem.embedding.scales.rows.stencils) > 0
+
+
+def test_a_law_of_another_sheet_is_refused() -> None:
+    thick = fs.named_pattern("square", substrate_thickness=0.6)
+    with pytest.raises(fs.errors.PatternError, match=r"law given is of a sheet of 0\.4 mm"):
+        fs.tangent_stiffness(thick, model=MODEL)

@@ -15,12 +15,15 @@ from unittest import mock
 import pytest
 from pydantic import ValidationError
 
+import flexscale as fs
 from flexscale.datasets.recipe_values import leaves
 from flexscale.errors import BadInputError, ConfigError
+from flexscale.patterns.pattern import Pattern
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import parse_experiment
 from flexscale.steps.plan import build_plan
 from flexscale.steps.step import Resources
+from flexscale.tilings import Tiling
 
 CONTENT: dict[str, Any] = {
     "native": "shell",
@@ -175,3 +178,18 @@ def test_what_finite_sheets_do_not_compute_is_refused_when_planned(
     content = {"native": "shell", "patterns": CONTENT["patterns"], name: CONTENT[name], **options}
     with pytest.raises(ConfigError, match=said):
         parse_experiment(content, "file.yaml")
+
+
+@pytest.mark.parametrize("native", ["joints", "shell", "solid"])
+@pytest.mark.parametrize("name", STEPS)
+def test_recipes_of_every_native_model_make_their_task_again(name: str, native: str) -> None:
+    step, pattern = STEPS[name], Pattern(Tiling("IH76"))
+    options = {"solid": fs.SolidOptions(edge=0.1)} if native == "solid" else {}
+    model = fs.NativeModel(native, contact=fs.ContactOptions(activation=0.01), **options)
+    block = step.block.model_validate(CONTENT[name]) if name in CONTENT else step.block()
+    parameters = step.parameters(pattern, model, block)
+    task = step.task(parameters)
+    assert task.block == block
+    assert step.parameters(task.pattern, task.native, task.block) == parameters
+    if native == "solid" and "mesh" in parameters:
+        assert task.native.solid == model.solid

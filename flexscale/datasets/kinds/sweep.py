@@ -161,7 +161,7 @@ SWEEP = Schema(
             "1",
             "stations of joints beyond the range in which their law was sampled",
             optional=True,
-            attrs={"comment": "where it is not 0, numbers are extrapolated"},
+            attrs={"comment": "above 0, numbers are extrapolated; -1 where not converged"},
         ),
         _sampled("residual_norm", "N", "norm of the remaining force"),
         _sampled("mean_offset", "mm", "mean normal displacement of the substrate"),

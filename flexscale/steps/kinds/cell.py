@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from flexscale.errors import ConfigError
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mesh.estimate import require_moderate_mesh
 from flexscale.patterns.pattern import Pattern
@@ -14,9 +15,19 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
+    from flexscale.steps.experiment import Experiment
+
 
 class CellBlock(StepBlock):
     """Geometry and mesh of one periodic cell: the pattern and the mesh say it all."""
+
+    def refuse_in(self, experiment: Experiment) -> None:
+        """A native model that has no mesh."""
+        if experiment.model.input != "cell":
+            raise ConfigError(
+                f"The native model {experiment.native!r} has no mesh: leave `cell` out, or say "
+                "native: shell."
+            )
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
         """A mesh that is too large."""
@@ -32,7 +43,7 @@ def compute(
     from flexscale.homogenize.labels import pattern_scalars
     from flexscale.mesh.torus import build_mesh
 
-    mesh = build_mesh(task.pattern, task.native.mesh)
+    mesh = build_mesh(task.pattern, task.native.mesh, task.native.solid_options)
     mesh.validate()
     arrays: dict[str, Any] = {name: getattr(mesh, name) for name in array_names(CELL)}
     arrays["tile_points"], arrays["tile_of_point"] = _joined(task.pattern.tiles)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from flexscale.homogenize.native_model import NativeModel
+from flexscale.joints.key import VERSION
 from flexscale.patterns.pattern import Pattern
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import Figure, Resources, Step, StepBlock, Task
@@ -79,7 +80,7 @@ def _arrays(joint: SolvedJoint) -> dict[str, Any]:
 
 JOINT = Step(
     "joint",
-    1,
+    VERSION,
     JointBlock,
     "law of the joints between scales; {} for defaults",
     compute,

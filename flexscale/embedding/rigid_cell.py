@@ -19,8 +19,8 @@ from flexscale.patterns.joint_lines import Joint
 from flexscale.patterns.pattern import Pattern
 from flexscale.tilings.lattice import reduction
 
-#: In-plane reach of contact beyond a scale's outline: shares of the root of the largest tile's area,
-#: of the gap, and of the height of scales, whose tops move the farther the higher they are.
+#: In-plane reach of contact beyond a scale's outline, as shares of the root of the largest tile's
+#: area, of the gap, and of the height of scales: the higher they are, the farther tops move.
 REACH = (0.25, 2.0, 0.6)
 
 

@@ -116,7 +116,7 @@ class JointCell:
         ):
             raise PatternError(
                 f"The law given is of a sheet of {law.thickness:g} mm and {law.modulus:g} MPa, the "
-                f"pattern's has {pattern.substrate_thickness:g} mm and {sheet.young_modulus:g} MPa: "
+                f"pattern's of {pattern.substrate_thickness:g} mm, {sheet.young_modulus:g} MPa: "
                 "take the law of this pattern."
             )
         cell = cls(pattern, law, native)

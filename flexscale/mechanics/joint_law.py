@@ -210,7 +210,7 @@ class JointLaw(ShortRepr):
         n = len(self.coefficients)
         if self.exponents.shape != (n, 4) or self.bounds.shape != (4, 2):
             raise BadInputError(
-                f"A joint's law with {n} coefficients needs exponents (n, 4) and bounds (4, 2), not "
+                f"A joint's law of {n} coefficients has exponents (n, 4) and bounds (4, 2), not "
                 f"{self.exponents.shape} and {self.bounds.shape}."
             )
         if not (np.isfinite(self.coefficients).all() and np.isfinite(self.bounds).all()):

@@ -101,8 +101,8 @@ def _partners(pattern: Pattern) -> tuple[IntArray, IntArray]:
     partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
     if (partner < 0).any():
         raise PatternError(
-            "Two tiles do not have an edge between them in common to 1e-6 of the cell: give corners "
-            "to more digits."
+            "Two tiles do not have an edge between them in common to 1e-6 of the cell: give "
+            "corners to more digits."
         )
     return partner, np.rint(places - places[partner]).astype(np.int64)
 

@@ -23,6 +23,7 @@ n . (I + S) L and R the rotation by kappa q,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -39,7 +40,7 @@ class Bend:
     curvature: float
     direction: float
 
-    @property
+    @cached_property
     def tensor(self) -> FloatArray:
         """(2, 2) curvature tensor of a unit curvature in this direction, n n^T."""
         n = np.array([np.cos(self.direction), np.sin(self.direction)])

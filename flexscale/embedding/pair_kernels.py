@@ -1,73 +1,180 @@
-"""Energies of pairs of rigid scales, and of their joints, with derivatives by all unknowns.
+"""Energies of pairs of rigid scales: their joints and their contact, with derivatives.
 
-Unknowns z: six of each scale (w, c of `rigid_motion`), then S. Each pair has a block of the
-variables of `rigid_motion`, curvature included.
+Unknowns z: six of each scale (w, c of `rigid_motion`), then S. Both energies of a pair depend on
+how one scale lies against the other: six derivatives, and as many second ones by two, which are
+carried over to the pair's 16 variables, curvature included, and from there to the unknowns.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
-from flexscale.arrays import BoolArray, FloatArray, IntArray
-from flexscale.embedding.rigid_motion import N_VARIABLES, N_WORK, place_pair, relative_pose
-from flexscale.mechanics.jets import add_hessian
-from flexscale.mechanics.joint_law import law_at
+from flexscale.arrays import FloatArray, IntArray
+from flexscale.embedding.middle_pose import (
+    N_POSE,
+    middle_pose,
+    place_jets,
+    turn_jets,
+)
+from flexscale.embedding.middle_pose import N_WORK as N_MIDDLE
+from flexscale.embedding.rigid_motion import (
+    N_MOTION,
+    N_VARIABLES,
+    OF_B,
+    OF_S,
+    add_pose_bends,
+    neighbor_motion,
+    pose_slopes,
+    relative_pose,
+    rotation_of,
+)
+from flexscale.mechanics.jets import add_hessian, jet_length
+from flexscale.mechanics.joint_law import LawTable, law_at
+from flexscale.mechanics.prism_kernels import N_WORK as N_BARRIER
+from flexscale.mechanics.prism_kernels import Candidates, Memory, barrier_jet, moved_since
 
 _N = N_VARIABLES
+SLOTS = _N * (_N + 1) // 2  # of the upper triangle of a pair's block
+KEEP, LIFT_CONTACT, LIFT_ALL = 0, 1, 2  # Hessians as they are, or parts by their positive parts
 
 
-@njit(cache=True, error_model="numpy")
-def unknowns_of(first: int, second: int, n_unknowns: int, out: IntArray) -> None:
-    """(16,) numbers of a pair's variables among the unknowns; kappa is one past them."""
-    for i in range(6):
-        out[i], out[6 + i] = 6 * first + i, 6 * second + i
-    for i in range(3):
-        out[12 + i] = n_unknowns - 3 + i
-    out[15] = n_unknowns
+class Pairs(NamedTuple):
+    """Pairs of neighboring scales.
 
-
-@njit(cache=True, error_model="numpy")
-def place_pairs(
-    z: FloatArray,
-    curvature: float,
-    tensor: FloatArray,
-    scales: IntArray,
-    lifts: FloatArray,
-    ways: FloatArray,
-    needed: BoolArray,
-    order: int,
-    out: FloatArray,
-) -> None:
-    """Poses (n_pairs, 24, jet) of the pairs that are needed, see `place_pair`.
-
-    scales : (n_pairs, 2); lifts : (n_scales,) of anchors by kappa; ways : (n_pairs, 2) mm.
+    scales : (n, 2) numbers; ways : (n, 2) from the first one's anchor to the second's, mm;
+    lifts : (n, 2) heights of both anchors by kappa; n_motion : 4, or 0 where S and kappa are held;
+    n_unknowns : length of z.
     """
-    work = np.empty((N_WORK, out.shape[2]))
-    both = np.empty(2)
-    stretch = z[len(z) - 3 :]
-    for k in range(len(scales)):
-        if not needed[k]:
-            continue
-        a, b = scales[k]
-        both[0], both[1] = lifts[a], lifts[b]
-        place_pair(
-            z[6 * a : 6 * a + 6], z[6 * b : 6 * b + 6], both, ways[k], tensor, stretch, curvature,
-            work, out[k], _N, order,
-        )  # fmt: skip
+
+    scales: IntArray
+    ways: FloatArray
+    lifts: FloatArray
+    n_motion: int
+    n_unknowns: int
+
+
+class Stations(NamedTuple):
+    """Stations of all joints; those of a pair stand together.
+
+    arms : (n_pairs, 2, 3) from both anchors to a point of the pair's joints, mm; starts :
+    (n_pairs + 1,). points : (n, 2) from there, mm; normals : (n, 2); weights : (n,) mm.
+    """
+
+    arms: FloatArray
+    starts: IntArray
+    points: FloatArray
+    normals: FloatArray
+    weights: FloatArray
+
+
+class Bending(NamedTuple):
+    """How the sheet is bent: kappa, mm-1, the tensor K (2, 2) of its line, and where scales are."""
+
+    z: FloatArray
+    curvature: float
+    tensor: FloatArray
 
 
 @njit(cache=True, error_model="numpy")
-def place_rows(
-    poses: FloatArray, pair: IntArray, second: BoolArray, rest: FloatArray, y: FloatArray
-) -> None:
-    """Positions (n_rows, 3) of points of scales, each in the frame of its pair's first scale."""
-    for r in range(len(pair)):
-        start = 12 if second[r] else 0
-        for c in range(3):
-            y[r, c] = poses[pair[r], start + c, 0]
-            for j in range(3):
-                y[r, c] += poses[pair[r], start + 3 + 3 * c + j, 0] * rest[r, j]
+def unknown_of(pairs: Pairs, k: int, variable: int) -> int:
+    """Number among the unknowns of a pair's variable; kappa is one past them."""
+    if variable < OF_S:
+        side = 0 if variable < OF_B else 1
+        return 6 * pairs.scales[k, side] + variable - OF_B * side
+    return pairs.n_unknowns - 3 + variable - OF_S
+
+
+class _Posing(NamedTuple):
+    """A pair's motion and turns with derivatives, its pose (4, 3), t and G, and J; see
+    `rigid_motion`; the others are to work in."""
+
+    jets: FloatArray
+    motion: FloatArray
+    turns: FloatArray
+    slopes: FloatArray
+    bends: FloatArray
+    pose: FloatArray
+    matrices: FloatArray
+    jacobian: FloatArray
+
+
+@njit(cache=True, error_model="numpy")
+def _new_posing(order: int) -> _Posing:
+    size = jet_length(N_MOTION, order)
+    return _Posing(
+        np.empty((10, size)), np.empty((12, size)), np.empty((2, 3, 3)),
+        np.empty((2, 3, 3, 3)), np.empty((2, 3, 3, 3, 3)), np.empty((4, 3)), np.empty((12, 3, 3)),
+        np.empty((6, _N)),
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _set_pose(bending: Bending, pairs: Pairs, k: int, order: int, posing: _Posing) -> None:
+    """Pose of pair k with what its derivatives follow from, and J with order 1 or 2."""
+    z, p = bending.z, posing
+    for side in range(2):
+        first = 6 * pairs.scales[k, side]
+        rotation_of(z[first + 3 : first + 6], p.turns[side], p.slopes[side], p.bends[side], order)
+    neighbor_motion(
+        pairs.ways[k], pairs.lifts[k], bending.tensor, z[len(z) - 3 :], bending.curvature, p.jets,
+        p.motion, order if pairs.n_motion > 0 else 0,
+    )  # fmt: skip
+    a, b = 6 * pairs.scales[k, 0], 6 * pairs.scales[k, 1]
+    other = z[b : b + 3]
+    relative_pose(z[a : a + 3], other, p.motion, p.turns, p.pose, p.matrices)
+    if order > 0:
+        pose_slopes(
+            other, p.motion, p.turns, p.slopes, p.pose, pairs.n_motion, p.matrices, p.jacobian
+        )
+
+
+@njit(cache=True, error_model="numpy")
+def place_pairs(bending: Bending, pairs: Pairs, poses: FloatArray) -> None:
+    """How the second scale of each pair lies against the first: t and G, (n_pairs, 4, 3)."""
+    posing = _new_posing(0)
+    for k in range(len(pairs.scales)):
+        _set_pose(bending, pairs, k, 0, posing)
+        poses[k] = posing.pose
+
+
+@njit(cache=True, error_model="numpy")
+def place_scales(
+    bending: Bending, numbers: IntArray, places: FloatArray, lifts: FloatArray
+) -> FloatArray:
+    """(n, 4, 3) where scales lie, place of the anchor and turn, in the frame at the plane's origin.
+
+    numbers : (n,) of scales; places : (n, 2) of their anchors at rest, or those of images, mm;
+    lifts : (n,) heights of anchors by kappa.
+    """
+    out, posing = np.empty((len(numbers), 4, 3)), _new_posing(0)
+    still, lift, z = np.zeros(3), np.zeros(2), bending.z
+    posing.turns[0] = np.eye(3)
+    for k in range(len(numbers)):
+        first, p = 6 * numbers[k], posing
+        lift[1] = lifts[k]
+        rotation_of(z[first + 3 : first + 6], p.turns[1], p.slopes[1], p.bends[1], 0)
+        neighbor_motion(
+            places[k], lift, bending.tensor, z[len(z) - 3 :], bending.curvature, p.jets, p.motion, 0
+        )
+        relative_pose(still, z[first : first + 3], p.motion, p.turns, out[k], p.matrices)
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def place_rows(poses: FloatArray, table: Candidates, y: FloatArray) -> None:
+    """Positions (n_rows, 3) of corners in the frames of the pairs' first scales, mm."""
+    for k in range(len(table.row_starts) - 1):
+        for r in range(table.row_starts[k], table.row_starts[k + 1]):
+            for c in range(3):
+                if table.second[r]:
+                    y[r, c] = poses[k, 0, c]
+                    for j in range(3):
+                        y[r, c] += poses[k, 1 + c, j] * table.rest[r, j]
+                else:
+                    y[r, c] = table.rest[r, c]
 
 
 @njit(cache=True, error_model="numpy")
@@ -96,223 +203,331 @@ def station_opening(
 
 
 @njit(cache=True, error_model="numpy")
-def all_openings(
-    poses: FloatArray,
-    scales: IntArray,
-    arms: FloatArray,
-    starts: IntArray,
-    points: FloatArray,
-    normals: FloatArray,
-) -> FloatArray:
-    """(n_stations, 4) u, w, s [mm] and phi [radian] of all stations; see `all_joints`."""
-    out, rows = np.empty((len(points), 4)), np.zeros((4, 6))
-    work, relative = np.empty((N_WORK, poses.shape[2])), np.empty((6, poses.shape[2]))
-    for k in range(len(scales)):
-        relative_pose(poses[k], arms[k, 0], arms[k, 1], work, relative, _N, 0)
-        for s in range(starts[k], starts[k + 1]):
-            station_opening(relative[:, 0].copy(), points[s], normals[s], out[s], rows)
+def all_openings(poses: FloatArray, stations: Stations) -> FloatArray:
+    """(n_stations, 4) u, w, s [mm] and phi [radian] of all stations."""
+    out, rows = np.empty((len(stations.points), 4)), np.zeros((4, 6))
+    turn, work, relative = np.empty((9, 1)), np.empty((N_MIDDLE, 1)), np.empty((6, 1))
+    for k in range(len(poses)):
+        turn_jets(poses[k], turn, 0)
+        middle_pose(poses[k], turn, stations.arms[k, 0], stations.arms[k, 1], work, relative, 0)
+        for s in range(stations.starts[k], stations.starts[k + 1]):
+            station_opening(
+                relative[:, 0].copy(), stations.points[s], stations.normals[s], out[s], rows
+            )
     return out
 
 
 @njit(cache=True, error_model="numpy")
 def joint_energy(
     relative: FloatArray,
-    points: FloatArray,
-    normals: FloatArray,
-    weights: FloatArray,
-    exponents: IntArray,
-    coefficients: FloatArray,
-    thickness: float,
-    modulus: float,
-    bounds: FloatArray,
+    stations: Stations,
+    k: int,
+    law: LawTable,
     gradient: FloatArray,
     hessian: FloatArray,
 ) -> float:
-    """Energy of the joints of one pair, N mm, with its derivatives by the relative pose.
+    """Energy of the joints of pair k, N mm, with its derivatives by the relative pose.
 
-    relative : (6,) arrow and turn of `relative_pose`; points : (n, 2) stations from its point, mm;
-    normals (n, 2) and weights (n,) mm; the others are a law's. gradient (6,) and hessian (6, 6) are
-    filled.
+    relative : (6,) arrow and turn of `middle_pose`. gradient (6,) and hessian (6, 6) are filled.
     """
     gradient[:] = 0.0
     hessian[:] = 0.0
     energy = 0.0
     q, slope, bend, rows = np.empty(4), np.empty(4), np.empty((4, 4)), np.zeros((4, 6))
-    for s in range(len(points)):
-        half = station_opening(relative, points[s], normals[s], q, rows)
+    carried = np.empty((4, 6))
+    for s in range(stations.starts[k], stations.starts[k + 1]):
+        weight = stations.weights[s]
+        half = station_opening(relative, stations.points[s], stations.normals[s], q, rows)
         root = 1.0 / np.sqrt(1.0 - half * half)
-        energy += weights[s] * law_at(
-            exponents, coefficients, thickness, modulus, bounds, q, slope, bend
-        )
-        # phi is the one that is not linear: d2 phi = -half / 2 root^3 of both factors of half's.
-        curl = -0.5 * half * root * slope[3]
+        energy += weight * law_at(law, q, slope, bend)
         for i in range(6):
             for a in range(4):
-                if rows[a, i] == 0.0:
-                    continue
-                gradient[i] += weights[s] * slope[a] * rows[a, i]
-                for j in range(6):
-                    for b in range(4):
-                        hessian[i, j] += weights[s] * rows[a, i] * bend[a, b] * rows[b, j]
-        for i in (3, 4):
-            for j in (3, 4):
-                hessian[i, j] += weights[s] * curl * rows[3, i] * rows[3, j]
+                gradient[i] += weight * slope[a] * rows[a, i]
+                carried[a, i] = 0.0
+                for b in range(4):
+                    carried[a, i] += weight * bend[a, b] * rows[b, i]
+        # phi is the one that is not linear: d2 phi = -half / 2 root^3 of both factors of half's.
+        curl = -0.5 * half * root * slope[3] * weight
+        for i in range(6):
+            for j in range(i, 6):
+                total = curl * rows[3, i] * rows[3, j]
+                for a in range(4):
+                    total += rows[a, i] * carried[a, j]
+                hessian[i, j] += total
+    for i in range(6):
+        for j in range(i):
+            hessian[i, j] = hessian[j, i]
     return energy
 
 
 @njit(cache=True, error_model="numpy")
-def all_joints(
-    poses: FloatArray,
-    scales: IntArray,
-    arms: FloatArray,
-    starts: IntArray,
-    points: FloatArray,
-    normals: FloatArray,
-    weights: FloatArray,
-    exponents: IntArray,
-    coefficients: FloatArray,
-    thickness: float,
-    modulus: float,
-    bounds: FloatArray,
+def _add_joint(
+    relative: FloatArray,
+    slope: FloatArray,
+    bend: FloatArray,
     order: int,
     gradient: FloatArray,
-    blocks: FloatArray,
+    hessian: FloatArray,
+) -> None:
+    """Carry derivatives by the middle pose over to tau and alpha."""
+    n = N_POSE
+    for i in range(n):
+        for c in range(6):
+            gradient[i] += slope[c] * relative[c, 1 + i]
+    if order == 1:
+        return
+    for c in range(6):
+        add_hessian(hessian, slope[c], relative[c], n)
+        for i in range(n):
+            carried = 0.0
+            for d in range(6):
+                carried += bend[c, d] * relative[d, 1 + i]
+            for j in range(n):
+                hessian[i, j] += carried * relative[c, 1 + j]
+
+
+@njit(cache=True, error_model="numpy")
+def _add_contact(
+    pose: FloatArray,
+    turn: FloatArray,
+    table: Candidates,
+    memory: Memory,
+    k: int,
+    d_hat: float,
+    way: float,
+    stiffness: float,
+    order: int,
+    rows: FloatArray,
+    work: FloatArray,
+    out: FloatArray,
+    gradient: FloatArray,
+    hessian: FloatArray,
 ) -> float:
-    """Energy of all joints, N mm; their derivatives are added.
+    """Energy of the contact of pair k, and its derivatives by tau and alpha, added."""
+    energy, n = 0.0, N_POSE
+    for s in range(table.starts[k], table.starts[k + 1]):
+        if memory.distances[s] - way >= d_hat:
+            continue
+        for i in range(4):
+            r = table.stencils[s, i]
+            if table.second[r]:
+                place_jets(pose, turn, table.rest[r], rows[i])
+            else:
+                for c in range(3):
+                    rows[i, c, :] = 0.0
+                    rows[i, c, 0] = table.rest[r, c]
+        if not barrier_jet(table.is_wall[s], rows, d_hat * d_hat, work, out, n, order):
+            continue
+        energy += stiffness * out[0]
+        for i in range(n):
+            gradient[i] += stiffness * out[1 + i]
+        if order > 1:
+            add_hessian(hessian, stiffness, out, n)
+    return energy
+
+
+@njit(cache=True, error_model="numpy")
+def _positive_part(matrix: FloatArray) -> None:
+    values, modes = np.linalg.eigh(matrix)
+    n = len(values)
+    matrix[:] = 0.0
+    for k in range(n):
+        if values[k] > 0.0:
+            for i in range(n):
+                for j in range(n):
+                    matrix[i, j] += values[k] * modes[i, k] * modes[j, k]
+
+
+@njit(cache=True, error_model="numpy")
+def assemble(
+    bending: Bending,
+    pairs: Pairs,
+    stations: Stations,
+    law: LawTable,
+    y: FloatArray,
+    table: Candidates,
+    memory: Memory,
+    d_hat: float,
+    most: float,
+    stiffness: float,
+    lift: int,
+    gradient: FloatArray,
+    slots: IntArray,
+    values: FloatArray,
+    direction: FloatArray,
+    rate: FloatArray,
+) -> tuple[float, float]:
+    """Energies of all joints and of all contact, N mm, and their derivatives, added.
 
     Parameters
     ----------
-    poses : (n_pairs, 24, jet) of `place_pairs`, of at least this order.
-    arms : (n_pairs, 2, 3) from both anchors to a point of the pair's joints, mm.
-    starts : (n_pairs + 1,) of each pair's stations; a pair may have none.
+    y : (n_rows, 3) of `place_rows`; table, memory, d_hat, most : see `prism_kernels`.
+    stiffness : of the barrier, N mm-3; 0 without contact, when tables are not looked at.
+    lift : `KEEP`, or what is replaced by its positive part.
     gradient : (n_unknowns + 1,) the last by kappa.
-    blocks : (n_pairs, 16, 16), with order 2.
+    slots : (n_pairs, SLOTS) place in `values` of the upper triangle of a pair's block, row by row;
+        -1 for none. With none at all, (0, SLOTS), second derivatives are not computed.
+    values : (nnz,) upper triangle of the Hessian of those unknowns that are sought.
+    direction, rate : (n_unknowns + 1,), of which the second is the full Hessian times the first.
     """
-    size = poses.shape[2]
-    work, relative = np.empty((N_WORK, size)), np.empty((6, size))
+    order = 2 if len(slots) else 1
+    posing, block = _new_posing(order), np.empty((_N, _N))
+    pose, jacobian = posing.pose, posing.jacobian
+    size = jet_length(N_POSE, order)
+    turn, middle = np.empty((9, size)), np.empty((N_MIDDLE, size))
+    relative, barrier_work = np.empty((6, size)), np.empty((N_BARRIER, size))
+    rows, out = np.empty((4, 3, size)), np.empty(size)
     slope, bend = np.empty(6), np.empty((6, 6))
-    number = np.empty(_N, dtype=np.int64)
-    energy = 0.0
-    for k in range(len(scales)):
-        s0, s1 = starts[k], starts[k + 1]
-        if s0 == s1:
+    total, hessian, touch = np.empty(6), np.empty((6, 6)), np.empty((6, 6))
+    joints = contact = 0.0
+    for k in range(len(pairs.scales)):
+        jointed = stations.starts[k + 1] > stations.starts[k]
+        near, way = False, 0.0
+        if stiffness > 0.0:
+            way = moved_since(y, table, k, memory, most)
+            near = memory.least[k] - way < d_hat
+        if not jointed and not near:
             continue
-        relative_pose(poses[k], arms[k, 0], arms[k, 1], work, relative, _N, order)
-        energy += joint_energy(
-            relative[:, 0].copy(), points[s0:s1], normals[s0:s1], weights[s0:s1], exponents,
-            coefficients, thickness, modulus, bounds, slope, bend,
-        )  # fmt: skip
-        if order == 0:
+        _set_pose(bending, pairs, k, order, posing)
+        turn_jets(pose, turn, order)
+        total[:] = 0.0
+        hessian[:] = 0.0
+        if near:
+            contact += _add_contact(
+                pose, turn, table, memory, k, d_hat, way, stiffness, order, rows, barrier_work, out,
+                total, hessian,
+            )  # fmt: skip
+            if order > 1 and lift != KEEP and total.any():
+                touch[:] = hessian
+                _positive_part(touch)
+                hessian[:] = touch
+        if jointed:
+            middle_pose(
+                pose, turn, stations.arms[k, 0], stations.arms[k, 1], middle, relative, order
+            )
+            joints += joint_energy(relative[:, 0].copy(), stations, k, law, slope, bend)
+            _add_joint(relative, slope, bend, order, total, hessian)
+        elif not total.any():
             continue
-        unknowns_of(scales[k, 0], scales[k, 1], len(gradient) - 1, number)
-        for i in range(_N):
+        last = OF_S + pairs.n_motion
+        for i in range(last):
+            sum_ = 0.0
             for c in range(6):
-                gradient[number[i]] += slope[c] * relative[c, 1 + i]
+                sum_ += total[c] * jacobian[c, i]
+            gradient[unknown_of(pairs, k, i)] += sum_
         if order == 1:
             continue
-        block = blocks[k]
-        for c in range(6):
-            add_hessian(block, slope[c], relative[c], _N)
-        for c in range(6):
-            for i in range(_N):
+        block[:] = 0.0
+        for i in range(last):
+            for c in range(6):
                 carried = 0.0
                 for d in range(6):
-                    carried += bend[c, d] * relative[d, 1 + i]
-                for j in range(_N):
-                    block[i, j] += carried * relative[c, 1 + j]
-    return energy
+                    carried += hessian[c, d] * jacobian[d, i]
+                for j in range(i, last):
+                    block[i, j] += carried * jacobian[c, j]
+        second = 6 * pairs.scales[k, 1]
+        add_pose_bends(
+            total, bending.z[second : second + 3], posing.motion, posing.turns, posing.slopes,
+            posing.bends, pose, pairs.n_motion, posing.matrices, block,
+        )  # fmt: skip
+        if lift == LIFT_ALL:
+            for i in range(last):
+                for j in range(i):
+                    block[i, j] = block[j, i]
+            part = block[: _N - 1, : _N - 1].copy()
+            _positive_part(part)
+            block[: _N - 1, : _N - 1] = part
+        _scatter(block, pairs, k, last, slots[k], values, direction, rate)
+    return joints, contact
+
+
+@njit(cache=True, error_model="numpy")
+def _scatter(
+    block: FloatArray,
+    pairs: Pairs,
+    k: int,
+    last: int,
+    slots: IntArray,
+    values: FloatArray,
+    direction: FloatArray,
+    rate: FloatArray,
+) -> None:
+    """Add the upper triangle of a pair's block to the Hessian, and to its product."""
+    number = np.empty(_N, dtype=np.int64)
+    for i in range(last):
+        number[i] = unknown_of(pairs, k, i)
+    for i in range(last):
+        row = i * _N - (i * (i - 1)) // 2 - i  # of slots, less i
+        a = number[i]
+        for j in range(i, last):
+            b, value = number[j], block[i, j]
+            rate[a] += value * direction[b]
+            if i != j:
+                rate[b] += value * direction[a]
+                if a == b:  # a scale and its own image
+                    value *= 2.0
+            slot = slots[row + j]
+            if slot >= 0:
+                values[slot] += value
 
 
 @njit(cache=True, error_model="numpy")
 def pull_forces(
+    bending: Bending,
+    pairs: Pairs,
     poses: FloatArray,
-    scales: IntArray,
-    pair: IntArray,
-    second: BoolArray,
-    rest: FloatArray,
+    table: Candidates,
     forces: FloatArray,
-    order: int,
-    gradient: FloatArray,
-    blocks: FloatArray,
+    out: FloatArray,
 ) -> None:
-    """Derivatives of forces (n_rows, 3) times positions, added to gradient and blocks as above."""
-    total = np.zeros((len(scales), 24))
-    for r in range(len(pair)):
-        start = 12 if second[r] else 0
-        for c in range(3):
-            total[pair[r], start + c] += forces[r, c]
-            for j in range(3):
-                total[pair[r], start + 3 + 3 * c + j] += forces[r, c] * rest[r, j]
-    number = np.empty(_N, dtype=np.int64)
-    for k in range(len(scales)):
-        unknowns_of(scales[k, 0], scales[k, 1], len(gradient) - 1, number)
-        for m in range(24):
-            load = total[k, m]
-            if load == 0.0:
+    """out (n_unknowns + 1,) += derivative of forces (n_rows, 3) times positions of rows."""
+    posing, total, turned = _new_posing(1), np.empty(6), np.empty(3)
+    for k in range(len(pairs.scales)):
+        total[:] = 0.0
+        for r in range(table.row_starts[k], table.row_starts[k + 1]):
+            if not table.second[r]:
                 continue
-            for i in range(_N):
-                gradient[number[i]] += load * poses[k, m, 1 + i]
-            if order > 1:
-                add_hessian(blocks[k], load, poses[k, m], _N)
+            for c in range(3):
+                total[c] += forces[r, c]
+                turned[c] = 0.0  # G^T f
+                for j in range(3):
+                    turned[c] += poses[k, 1 + j, c] * forces[r, j]
+            for i in range(3):
+                m, n = (i + 1) % 3, (i + 2) % 3
+                total[3 + i] += table.rest[r, m] * turned[n] - table.rest[r, n] * turned[m]
+        if not total.any():
+            continue
+        _set_pose(bending, pairs, k, 1, posing)
+        for i in range(OF_S + pairs.n_motion):
+            for c in range(6):
+                out[unknown_of(pairs, k, i)] += total[c] * posing.jacobian[c, i]
 
 
 @njit(cache=True, error_model="numpy")
 def row_rates(
-    poses: FloatArray, pair: int, second: bool, rest: FloatArray, out: FloatArray
-) -> None:
-    """(3, 16) derivatives of a row's position by the pair's variables."""
-    start = 12 if second else 0
-    for c in range(3):
-        for i in range(_N):
-            out[c, i] = poses[pair, start + c, 1 + i]
-            for j in range(3):
-                out[c, i] += poses[pair, start + 3 + 3 * c + j, 1 + i] * rest[j]
-
-
-@njit(cache=True, error_model="numpy")
-def pull_stencils(
+    bending: Bending,
+    pairs: Pairs,
     poses: FloatArray,
-    pair: IntArray,
-    second: BoolArray,
-    rest: FloatArray,
-    stencils: IntArray,
-    hessians: FloatArray,
-    blocks: FloatArray,
+    table: Candidates,
+    direction: FloatArray,
+    out: FloatArray,
 ) -> None:
-    """Add Hessians (n, 12, 12) by the positions of stencils (n, 4) of rows to the pairs' blocks."""
-    rates, carried = np.empty((12, _N)), np.empty((12, _N))
-    for m in range(len(stencils)):
-        k = pair[stencils[m, 0]]
-        for v in range(4):
-            r = stencils[m, v]
-            row_rates(poses, k, second[r], rest[r], rates[3 * v : 3 * v + 3])
-        for v in range(12):
-            for i in range(_N):
-                carried[v, i] = 0.0
-                for c in range(12):
-                    carried[v, i] += hessians[m, v, c] * rates[c, i]
-        for v in range(12):
-            for i in range(_N):
-                for j in range(_N):
-                    blocks[k, i, j] += rates[v, i] * carried[v, j]
-
-
-@njit(cache=True, error_model="numpy")
-def add_blocks(blocks: FloatArray, slots: IntArray, values: FloatArray) -> None:
-    """Add the pairs' blocks to the values of the upper triangle; slots of -1 are left out."""
-    for k in range(len(blocks)):
-        for i in range(_N):
-            for j in range(_N):
-                slot = slots[k, i, j]
-                if slot >= 0:
-                    values[slot] += blocks[k, i, j]
-
-
-@njit(cache=True, error_model="numpy")
-def gather_column(blocks: FloatArray, scales: IntArray, column: int, out: FloatArray) -> None:
-    """out (n_unknowns + 1,) += one column of all blocks."""
-    number = np.empty(_N, dtype=np.int64)
-    for k in range(len(blocks)):
-        unknowns_of(scales[k, 0], scales[k, 1], len(out) - 1, number)
-        for i in range(_N):
-            out[number[i]] += blocks[k, i, column]
+    """Fill out (n_rows, 3) with the change of positions for one of the unknowns and kappa."""
+    posing, moved, spun = _new_posing(1), np.empty(6), np.empty(3)
+    for k in range(len(pairs.scales)):
+        _set_pose(bending, pairs, k, 1, posing)
+        moved[:] = 0.0
+        for i in range(OF_S + pairs.n_motion):
+            for c in range(6):
+                moved[c] += posing.jacobian[c, i] * direction[unknown_of(pairs, k, i)]
+        for r in range(table.row_starts[k], table.row_starts[k + 1]):
+            out[r] = 0.0
+            if not table.second[r]:
+                continue
+            for i in range(3):
+                m, n = (i + 1) % 3, (i + 2) % 3
+                spun[i] = moved[3 + m] * table.rest[r, n] - moved[3 + n] * table.rest[r, m]
+            for c in range(3):
+                out[r, c] = moved[c]
+                for j in range(3):
+                    out[r, c] += poses[k, 1 + c, j] * spun[j]

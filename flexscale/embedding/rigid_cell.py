@@ -1,4 +1,4 @@
-"""The periodic cell of rigid scales: its unknowns, its pairs of neighbors, and where they lie."""
+"""Rigid scales, in a periodic cell or on a sheet: their unknowns, their pairs, where they lie."""
 
 from __future__ import annotations
 
@@ -8,11 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from flexscale.arrays import BoolArray, FloatArray, IntArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
-from flexscale.embedding.pair_kernels import place_pairs, place_rows, pull_forces, unknowns_of
-from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
-from flexscale.mechanics.jets import jet_size
+from flexscale.embedding.pair_kernels import (
+    Bending,
+    Pairs,
+    place_pairs,
+    place_rows,
+    place_scales,
+    pull_forces,
+    row_rates,
+)
+from flexscale.embedding.rigid_motion import N_MOTION, N_VARIABLES, OF_B, OF_S
 from flexscale.mechanics.prism_contact import PrismRows, find_prism_rows
 from flexscale.patterns.cell import polygon_area
 from flexscale.patterns.joint_lines import Joint
@@ -26,7 +33,7 @@ REACH = (0.25, 2.0, 0.6)
 
 @dataclass(frozen=True, eq=False)
 class RigidScales:
-    """Scales of a cell, and pairs of neighbors, each once.
+    """Scales of a cell or a sheet, and pairs of neighbors, each once.
 
     Attributes
     ----------
@@ -47,7 +54,7 @@ class RigidScales:
 
     @property
     def n_scales(self) -> int:
-        """How many there are in the cell."""
+        """How many there are."""
         return len(self.anchors)
 
 
@@ -61,13 +68,11 @@ def find_rigid_scales(pattern: Pattern, joints: Sequence[Joint], touch: bool = T
     touch : whether scales touch; without, no rows are made.
     """
     outlines = pattern.outlines()
-    facts = [_moments(outline) for outline in outlines]
+    facts = [moments(outline) for outline in outlines]
     anchors = np.array([center for _, center, _ in facts])
     areas = np.array([area for area, _, _ in facts])
     names = [(joint.first, joint.second, joint.offset) for joint in joints]
-    largest = max(polygon_area(tile) for tile in pattern.tiles)
-    sizes = (float(np.sqrt(largest)), pattern.gap, pattern.scale_height)
-    reach = max(share * size for share, size in zip(REACH, sizes, strict=True))
+    reach = contact_reach(pattern)
     if touch:
         known = set(names)
         names += [name for name in _near(outlines, pattern.lattice, reach) if name not in known]
@@ -77,16 +82,24 @@ def find_rigid_scales(pattern: Pattern, joints: Sequence[Joint], touch: bool = T
     base = 0.5 * pattern.substrate_thickness
     rows = find_prism_rows(
         [outline - center for outline, center in zip(outlines, anchors, strict=True)],
-        [(int(a), int(b)) for a, b in pairs] if touch else [],
-        ways if touch else ways[:0],
+        [(int(a), int(b), k) for k, (a, b) in enumerate(pairs)] if touch else [],
+        ways,
         (base, base + pattern.scale_height),
         reach,
+        len(pairs),
     )
-    moments = np.array([moment for _, _, moment in facts])
-    return RigidScales(anchors, areas / areas.sum(), moments, pairs, ways, rows)
+    spread = np.array([moment for _, _, moment in facts])
+    return RigidScales(anchors, areas / areas.sum(), spread, pairs, ways, rows)
 
 
-def _moments(outline: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+def contact_reach(pattern: Pattern) -> float:
+    """mm at rest, within which features of two scales can meet."""
+    largest = max(polygon_area(tile) for tile in pattern.tiles)
+    sizes = (float(np.sqrt(largest)), pattern.gap, pattern.scale_height)
+    return max(share * size for share, size in zip(REACH, sizes, strict=True))
+
+
+def moments(outline: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Area, centroid (2,) and mean of r r^T from there (2, 2) of a polygon, mm."""
     here = outline - outline[0]
     after = np.roll(here, -1, axis=0)
@@ -145,44 +158,59 @@ class RigidWorld:
     Attributes
     ----------
     y : (n_rows, 3) corners of scales that can meet, mm.
-    poses : (n_pairs, 24, jet) see `rigid_motion.place_pair`, of first order.
+    poses : (n_pairs, 4, 3) t and G of `rigid_motion`.
+    bending : the state.
     """
 
     y: FloatArray
     poses: FloatArray
+    bending: Bending
 
 
 class RigidCell:
-    """Unknowns of a cell of rigid scales: six of each, then S.
+    """Unknowns of rigid scales: six of each, then S.
+
+    Parameters
+    ----------
+    scales : of a lattice cell, or of a sheet.
+    active : (n_active,) unknowns that are sought, increasing. If not given, the scales float: all
+        but the in-plane motion of the first one, which is the whole cell's.
+    still : whether neither curvature nor S change, as on a sheet that lies in the world.
 
     Attributes
     ----------
     n_unknowns : length of z.
     rest : (n_unknowns,) the flat state.
-    active : unknowns that are sought; of the first scale, in-plane motion is the whole cell's.
     mean_offset : (n_unknowns,) c of the constraint c.z = 0 [Eq. 8]: mean height of the bases over
-        the cylinder, from which `lifts` is taken out.
-    shift_mode : (n_unknowns,) all scales moved along their normals.
+        the cylinder, from which `lifts` is taken out; 0 unless scales float.
+    shift_mode : (n_unknowns,) all scales moved along their normals; likewise.
     shift_unknown : number of one of these.
     """
 
-    def __init__(self, scales: RigidScales) -> None:
+    def __init__(
+        self, scales: RigidScales, active: IntArray | None = None, still: bool = False
+    ) -> None:
         self.scales = scales
         n = scales.n_scales
         self.n_unknowns = 6 * n + 3
         self.rest = np.zeros(self.n_unknowns)
-        self.active = np.arange(2, self.n_unknowns)
+        self.floats = active is None
+        self.active = np.arange(2, self.n_unknowns) if active is None else active
         self.mean_offset, self.shift_mode = np.zeros(self.n_unknowns), np.zeros(self.n_unknowns)
-        self.mean_offset[2 : 6 * n : 6] = scales.shares
-        self.shift_mode[2 : 6 * n : 6] = 1.0
+        if self.floats:
+            self.mean_offset[2 : 6 * n : 6] = scales.shares
+            self.shift_mode[2 : 6 * n : 6] = 1.0
         self.shift_unknown = 2
+        self.n_motion = 0 if still else N_MOTION
         self.world_map = self  # places, too
+        self._known: tuple[bytes, Pairs] | None = None
 
     def variables(self) -> IntArray:
         """(n_pairs, 16) unknowns of each pair's variables; n_unknowns stands for kappa."""
         out = np.empty((len(self.scales.pairs), N_VARIABLES), dtype=np.int64)
-        for k, (a, b) in enumerate(self.scales.pairs):
-            unknowns_of(a, b, self.n_unknowns, out[k])
+        for side, first in ((0, 0), (1, OF_B)):
+            out[:, first : first + 6] = 6 * self.scales.pairs[:, side, None] + np.arange(6)
+        out[:, OF_S:] = self.n_unknowns - 3 + np.arange(N_MOTION)
         return out
 
     def lifts(self, tensor: FloatArray) -> FloatArray:
@@ -190,45 +218,46 @@ class RigidCell:
         lifts: FloatArray = 0.5 * np.einsum("ij,nij->n", tensor, self.scales.second_moments)
         return lifts
 
-    def poses(
-        self, z: FloatArray, bend: Bend | TensorBend, order: int, needed: BoolArray | None = None
-    ) -> FloatArray:
-        """(n_pairs, 24, jet) of `rigid_motion.place_pair`, of the pairs (n_pairs,) needed."""
-        needed = np.ones(len(self.scales.pairs), dtype=bool) if needed is None else needed
-        size = jet_size(N_VARIABLES) if order > 1 else 1 + order * N_VARIABLES
-        out = np.empty((len(self.scales.pairs), 24, size))
-        tensor = bend.tensor
-        place_pairs(
-            z, bend.curvature, tensor, self.scales.pairs, self.lifts(tensor), self.scales.ways,
-            needed, order, out,
-        )  # fmt: skip
-        return out
+    def pairs(self, bend: Bend | TensorBend) -> Pairs:
+        """What kernels take."""
+        scales, key = self.scales, bend.tensor.tobytes()
+        if self._known is None or self._known[0] != key:  # along a line it stays the same
+            lifts = self.lifts(bend.tensor)[scales.pairs]
+            made = Pairs(scales.pairs, scales.ways, lifts, self.n_motion, self.n_unknowns)
+            self._known = (key, made)
+        return self._known[1]
 
     def place(self, z: FloatArray, bend: Bend | TensorBend) -> RigidWorld:
         """World positions at state z under `bend`."""
-        poses, rows = self.poses(z, bend, 1), self.scales.rows
-        y = np.empty((len(rows.pair), 3))
-        place_rows(poses, rows.pair, rows.second, rows.rest, y)
-        return RigidWorld(y, poses)
+        bending, rows = Bending(z, float(bend.curvature), bend.tensor), self.scales.rows
+        poses, y = np.empty((len(self.scales.pairs), 4, 3)), np.empty((rows.n_rows, 3))
+        place_pairs(bending, self.pairs(bend), poses)
+        place_rows(poses, rows.table, y)
+        return RigidWorld(y, poses, bending)
+
+    def place_images(
+        self, z: FloatArray, bend: Bend | TensorBend, numbers: IntArray, places: FloatArray
+    ) -> FloatArray:
+        """(n, 4, 3) where scales with anchors at places (n, 2) at rest lie in the world.
+
+        First the anchor, mm, then the turn (3, 3).
+        """
+        bending = Bending(z, float(bend.curvature), bend.tensor)
+        return place_scales(bending, numbers, places, self.lifts(bend.tensor)[numbers])
 
     def curvature_rates(self, bend: Bend | TensorBend) -> FloatArray:
         """(n_rows, 3) derivative of the flat cell's positions by the curvature."""
-        poses, rows = self.poses(self.rest, bend, 1), self.scales.rows
-        rate = poses[rows.pair, :, 1 + OF_KAPPA].reshape(-1, 2, 12)
-        own = rate[np.arange(len(rate)), rows.second.astype(int)]
-        turned = np.einsum("rcj,rj->rc", own[:, 3:].reshape(-1, 3, 3), rows.rest)
-        return np.asarray(own[:, :3] + turned)
+        direction = np.zeros(self.n_unknowns + 1)
+        direction[-1] = 1.0
+        world = self.place(self.rest, bend)
+        out = np.empty_like(world.y)
+        table = self.scales.rows.table
+        row_rates(world.bending, self.pairs(bend), world.poses, table, direction, out)
+        return out
 
     def pull_gradient(self, world: RigidWorld, forces: FloatArray) -> FloatArray:
         """(n_unknowns,) dE/dz for forces dE/dy (n_rows, 3)."""
-        return self.pull_all(world, forces)[:-1]
-
-    def pull_all(self, world: RigidWorld, forces: FloatArray) -> FloatArray:
-        """(n_unknowns + 1,) dE/dz and dE/dkappa at fixed z."""
-        rows, out = self.scales.rows, np.zeros(self.n_unknowns + 1)
-        blocks = np.zeros((0, N_VARIABLES, N_VARIABLES))
-        pull_forces(
-            world.poses, self.scales.pairs, rows.pair, rows.second, rows.rest, forces, 1, out,
-            blocks,
-        )  # fmt: skip
-        return out
+        out = np.zeros(self.n_unknowns + 1)
+        pairs = self.pairs(TensorBend(world.bending.curvature, world.bending.tensor))
+        pull_forces(world.bending, pairs, world.poses, self.scales.rows.table, forces, out)
+        return out[:-1]

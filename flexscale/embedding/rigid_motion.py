@@ -12,9 +12,20 @@ to (6) ask for, so that it does not matter over which scales one goes from one s
 For two curvatures it does, by terms of the order of their product and the square of the way: every
 pair of neighbors sees its own motion, and no surface needs to fit them all.
 
-All of this is the star of scale a: in a's frame, a itself and its neighbors b, as they lie there.
-Variables of a pair: w and c of a, w and c of b, S = (S_xx, S_yy, S_xy), and the curvature kappa
-along a line k = kappa K of given K.
+What strains a joint, and what touches, depends on how scale b lies against scale a alone: with A, B
+the turns of both, and y the arrow between their anchors in a's frame,
+
+    t = A^T y,   G = A^T Q B,   y = Q w_b + v - w_a,   v = V F D + kappa (lift_b Q e_3 - lift_a e_3),
+
+where lifts are heights of anchors by kappa. Variables of a pair are w and c of a, w and c of b,
+S = (S_xx, S_yy, S_xy), and the curvature kappa along a line k = kappa K of given K. A pose changes
+by tau of t, and by alpha of G -> G exp[alpha]. An energy of the pose has a gradient (g, m) and a
+Hessian H by these six; by the 16 variables, with J the derivatives of (tau, alpha), its Hessian is
+J^T H J and the second derivatives of
+
+    g . t + <N, G>,   N = G_0 [m] / 2,
+
+with g and N held. Each factor of t and G depends on variables of its own.
 """
 
 from __future__ import annotations
@@ -23,10 +34,11 @@ import numpy as np
 from numba import njit
 
 from flexscale.arrays import FloatArray
-from flexscale.mechanics.jets import add_product, add_scaled, compose, constant, variable
+from flexscale.mechanics.jets import add_product, add_scaled, compose, constant
 
 N_VARIABLES = 16
 OF_A, OF_B, OF_S, OF_KAPPA = 0, 6, 12, 15
+N_MOTION = 4  # S and kappa, on which the motion between two frames depends
 _SMALL, _TERMS = 1.0, 14  # squared turn below which functions of it are series of so many terms
 
 
@@ -62,59 +74,83 @@ def turn_functions(s: float, out: FloatArray) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def rotation_of(c: FloatArray, work: FloatArray, out: FloatArray, n: int, order: int) -> None:
-    """R = 1 + 2 ([c] + [c][c]) / (1 + |c|^2) of a Gibbs vector.
+def rotation_of(
+    c: FloatArray, rotation: FloatArray, slopes: FloatArray, bends: FloatArray, order: int
+) -> None:
+    """R = 1 + f C, C = [c] + c c^T - |c|^2, f = 2 / (1 + |c|^2), of a Gibbs vector c.
 
-    c : (3, jet); work : (2, jet); out : (9, jet), row by row.
+    rotation : (3, 3); slopes : (3, 3, 3) by c_k; bends : (3, 3, 3, 3) by c_k and c_m, m >= k.
     """
-    square, factor = work[0], work[1]
-    constant(square, 1.0)
-    for i in range(3):
-        add_product(square, 1.0, c[i], c[i], n, order)
-    v = square[0]
-    compose(factor, square, 2.0 / v, -2.0 / v**2, 4.0 / v**3, n, order)
+    square = c[0] * c[0] + c[1] * c[1] + c[2] * c[2]
+    f = 2.0 / (1.0 + square)
+    inner, change = np.empty((3, 3)), np.zeros((3, 3, 3))  # C, and its slopes
     for i in range(3):
         for j in range(3):
-            entry = square  # the squared length is not needed any more
-            constant(entry, 0.0)
-            if i == j:  # c_i^2 - |c|^2
-                for k in range(3):
-                    if k != i:
-                        add_product(entry, -1.0, c[k], c[k], n, order)
-            else:
-                k = 3 - i - j
-                add_product(entry, 1.0, c[i], c[j], n, order)
-                add_scaled(entry, -1.0 if (j - i) % 3 == 1 else 1.0, c[k])
-            constant(out[3 * i + j], 1.0 if i == j else 0.0)
-            add_product(out[3 * i + j], 1.0, factor, entry, n, order)
+            inner[i, j] = c[i] * c[j] - (square if i == j else 0.0)
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        inner[j, i] += c[k]
+        inner[i, j] -= c[k]
+    for i in range(3):
+        for j in range(3):
+            rotation[i, j] = f * inner[i, j] + (1.0 if i == j else 0.0)
+    if order == 0:
+        return
+    for k in range(3):
+        for i in range(3):
+            change[k, k, i] += c[i]
+            change[k, i, k] += c[i]
+            change[k, i, i] -= 2.0 * c[k]
+        i, j = (k + 1) % 3, (k + 2) % 3
+        change[k, j, i] += 1.0
+        change[k, i, j] -= 1.0
+        for i in range(3):
+            for j in range(3):
+                slopes[k, i, j] = f * change[k, i, j] - f * f * c[k] * inner[i, j]
+    if order == 1:
+        return
+    for k in range(3):
+        for m in range(k, 3):
+            both = 2.0 * f * f * f * c[k] * c[m] - (f * f if k == m else 0.0)
+            for i in range(3):
+                for j in range(3):
+                    bends[k, m, i, j] = both * inner[i, j] - f * f * (
+                        c[k] * change[m, i, j] + c[m] * change[k, i, j]
+                    )
+            bends[k, m, k, m] += f
+            bends[k, m, m, k] += f
+            if k == m:
+                for i in range(3):
+                    bends[k, m, i, i] -= 2.0 * f
 
 
 @njit(cache=True, error_model="numpy")
 def neighbor_motion(
     way: FloatArray,
+    lifts: FloatArray,
     tensor: FloatArray,
     stretch: FloatArray,
     curvature: float,
     work: FloatArray,
     out: FloatArray,
-    n: int,
     order: int,
 ) -> None:
-    """The motion (V F D, Q) between the frames of two scales.
+    """The motion (v, Q) between the frames of two scales, with derivatives by S and kappa.
 
-    way : (2,) D at rest, mm; tensor : (2, 2) K; stretch : (3,) S; work : (12, jet); out : (12, jet)
-    translation, then Q row by row.
+    way : (2,) D at rest, mm; lifts : (2,) of a and b; tensor : (2, 2) K; stretch : (3,) S; work :
+    (10, jet); out : (12, jet) v, then Q row by row.
     """
+    n = N_MOTION
     moved, turn = work[:2], work[2:4]  # F D, and omega
     constant(moved[0], way[0] + stretch[0] * way[0] + stretch[2] * way[1])
     constant(moved[1], way[1] + stretch[2] * way[0] + stretch[1] * way[1])
     if order > 0:
-        moved[0, 1 + OF_S], moved[0, 3 + OF_S] = way[0], way[1]
-        moved[1, 2 + OF_S], moved[1, 3 + OF_S] = way[1], way[0]
+        moved[0, 1], moved[0, 3] = way[0], way[1]
+        moved[1, 2], moved[1, 3] = way[1], way[0]
     kappa, bent = work[4], work[5]
     constant(kappa, curvature)
     if order > 0:
-        kappa[1 + OF_KAPPA] = 1.0
+        kappa[4] = 1.0
     for i in range(2):  # omega = (k_2, -k_1), k = kappa K F D
         constant(bent, 0.0)
         for j in range(2):
@@ -160,122 +196,217 @@ def neighbor_motion(
         add_product(q[6 + i], -side, f[0], turn[1 - i], n, order)
     constant(q[8], 1.0)
     add_product(q[8], -1.0, f[1], square, n, order)
-
-
-N_WORK = 40  # rows of jets that the kernels below work in
+    constant(kappa, curvature)
+    if order > 0:
+        kappa[4] = 1.0
+    for i in range(3):
+        add_product(out[i], lifts[1], kappa, q[3 * i + 2], n, order)
+    add_scaled(out[2], -lifts[0], kappa)
 
 
 @njit(cache=True, error_model="numpy")
-def place_pair(
-    a: FloatArray,
-    b: FloatArray,
-    lifts: FloatArray,
-    way: FloatArray,
-    tensor: FloatArray,
-    stretch: FloatArray,
-    curvature: float,
-    work: FloatArray,
-    out: FloatArray,
-    n: int,
-    order: int,
-) -> None:
-    """Poses of a scale and of its neighbor, in the frame of the first.
-
-    a, b : (6,) unknowns of both; lifts : (2,) of their anchors by kappa; way : (2,) between anchors
-    at rest, mm; tensor : (2, 2) K; stretch : (3,) S; work : (N_WORK, jet).
-    out : (24, jet) of each scale the place of its anchor (3) and its rotation, row by row (9).
-    """
-    c = work[:3]
+def _multiply(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+    """out = a b."""
     for i in range(3):
-        variable(c[i], a[3 + i], OF_A + 3 + i) if order > 0 else constant(c[i], a[3 + i])
-    rotation_of(c, work[3:5], out[3:12], n, order)
-    for i in range(3):
-        constant(out[i], a[i])
-        if order > 0:
-            out[i, 1 + OF_A + i] = 1.0
-    out[2, 0] += curvature * lifts[0]
-    if order > 0:
-        out[2, 1 + OF_KAPPA] = lifts[0]
-    for i in range(3):
-        variable(c[i], b[3 + i], OF_B + 3 + i) if order > 0 else constant(c[i], b[3 + i])
-    own, place = work[3:12], work[12:15]
-    rotation_of(c, work[15:17], own, n, order)
-    for i in range(3):
-        constant(place[i], b[i])
-        if order > 0:
-            place[i, 1 + OF_B + i] = 1.0
-    place[2, 0] += curvature * lifts[1]
-    if order > 0:
-        place[2, 1 + OF_KAPPA] = lifts[1]
-    motion = work[15:27]
-    neighbor_motion(way, tensor, stretch, curvature, work[27:39], motion, n, order)
-    for i in range(3):
-        out[12 + i] = motion[i]
-        for k in range(3):
-            add_product(out[12 + i], 1.0, motion[3 + 3 * i + k], place[k], n, order)
         for j in range(3):
-            constant(out[15 + 3 * i + j], 0.0)
-            for k in range(3):
-                add_product(
-                    out[15 + 3 * i + j], 1.0, motion[3 + 3 * i + k], own[3 * k + j], n, order
-                )
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True, error_model="numpy")
+def _multiply_turned(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+    """out = a^T b."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[0, i] * b[0, j] + a[1, i] * b[1, j] + a[2, i] * b[2, j]
+
+
+@njit(cache=True, error_model="numpy")
+def _inner(a: FloatArray, b: FloatArray) -> float:
+    """Sum of the products of all entries."""
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += a[i, j] * b[i, j]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _matrix(motion: FloatArray, entry: int, out: FloatArray) -> None:
+    """Q, or a derivative of it."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = motion[3 + 3 * i + j, entry]
+
+
+@njit(cache=True, error_model="numpy")
+def _arrow(motion: FloatArray, entry: int, w: FloatArray, out: FloatArray) -> None:
+    """Q w + v, or a derivative of it."""
+    for i in range(3):
+        row = 3 + 3 * i
+        out[i] = motion[i, entry] + (
+            motion[row, entry] * w[0] + motion[row + 1, entry] * w[1] + motion[row + 2, entry] * w[2]
+        )
 
 
 @njit(cache=True, error_model="numpy")
 def relative_pose(
-    poses: FloatArray,
-    arm_a: FloatArray,
-    arm_b: FloatArray,
+    own: FloatArray,
+    other: FloatArray,
+    motion: FloatArray,
+    turns: FloatArray,
+    pose: FloatArray,
+    work: FloatArray,
+) -> None:
+    """How scale b lies against scale a.
+
+    own, other : (3,) w of both; motion : of `neighbor_motion`; turns : (2, 3, 3) A and B. pose :
+    (4, 3) filled with t and G; work : (5, 3, 3), of which `pose_slopes` needs Q, Q B and y again.
+    """
+    base, turned, way = work[0], work[1], work[2, 0]
+    _matrix(motion, 0, base)
+    _multiply(base, turns[1], turned)
+    _arrow(motion, 0, other, way)
+    for i in range(3):
+        way[i] -= own[i]
+    for i in range(3):
+        pose[0, i] = turns[0, 0, i] * way[0] + turns[0, 1, i] * way[1] + turns[0, 2, i] * way[2]
+    _multiply_turned(turns[0], turned, pose[1:])
+
+
+@njit(cache=True, error_model="numpy")
+def pose_slopes(
+    other: FloatArray,
+    motion: FloatArray,
+    turns: FloatArray,
+    slopes: FloatArray,
+    pose: FloatArray,
+    n_motion: int,
     work: FloatArray,
     out: FloatArray,
-    n: int,
-    order: int,
 ) -> None:
-    """How a scale lies against another, in the frame midway between the two.
+    """J (6, 16) of tau and alpha by the variables; work : as `relative_pose` left it.
 
-    poses : (24, jet) of `place_pair`; arm_a, arm_b : (3,) mm, from the anchors to a point at rest.
-    out : (6, jet) arrow from the point as part of a to it as part of b, mm; then 2 sin(t/2) axis of
-    the turn t from a to b. A point at r from the first then opens by arrow + turn x r.
+    slopes : (2, 3, 3, 3) of A and B; n_motion : 4, or 0 if S and kappa are held.
     """
-    ra, rb = poses[3:12], poses[15:24]
-    arrow, q0, q = work[:3], work[3], out[3:]
+    base, turned, way, change, spin = work[0], work[1], work[2, 0], work[3], work[4]
+    out[:] = 0.0
     for i in range(3):
-        arrow[i] = poses[12 + i]
-        add_scaled(arrow[i], -1.0, poses[i])
         for j in range(3):
-            add_scaled(arrow[i], arm_b[j], rb[3 * i + j])
-            add_scaled(arrow[i], -arm_a[j], ra[3 * i + j])
-    constant(q0, 1.0)  # 1 + trace of A^T B
-    for i in range(9):
-        add_product(q0, 1.0, ra[i], rb[i], n, order)
-    v = q0[0]
-    root = np.sqrt(v)
-    half = work[4]  # 1 / (2 root): of the axial part of A^T B, which has 4 q0 times q, with 2 q
-    compose(half, q0, 1.0 / root, -0.5 / (v * root), 0.75 / (v * v * root), n, order)
-    compose(q0, q0, 0.5 * root, 0.25 / root, -0.125 / (v * root), n, order)
-    axial = work[5]
+            out[i, OF_A + j] = -turns[0, j, i]
+            out[i, OF_B + j] = (
+                turns[0, 0, i] * base[0, j]
+                + turns[0, 1, i] * base[1, j]
+                + turns[0, 2, i] * base[2, j]
+            )
+    for k in range(3):
+        part = slopes[0, k]
+        for i in range(3):
+            out[i, OF_A + 3 + k] = part[0, i] * way[0] + part[1, i] * way[1] + part[2, i] * way[2]
+        _multiply_turned(part, turned, change)
+        _multiply_turned(pose[1:], change, spin)
+        _set_axial(spin, out, OF_A + 3 + k)
+        _multiply_turned(turns[1], slopes[1, k], spin)
+        _set_axial(spin, out, OF_B + 3 + k)
+    rate, part = work[2, 1], work[2, 2]
+    for m in range(n_motion):
+        _arrow(motion, 1 + m, other, rate)
+        for i in range(3):
+            out[i, OF_S + m] = (
+                turns[0, 0, i] * rate[0] + turns[0, 1, i] * rate[1] + turns[0, 2, i] * rate[2]
+            )
+        _matrix(motion, 1 + m, spin)
+        _multiply(spin, turns[1], change)
+        _multiply_turned(turned, change, spin)
+        _set_axial(spin, out, OF_S + m)
+
+
+@njit(cache=True, error_model="numpy")
+def _set_axial(x: FloatArray, out: FloatArray, column: int) -> None:
+    """The vector of an antisymmetric matrix, into the last three rows."""
+    out[3, column], out[4, column], out[5, column] = x[2, 1], x[0, 2], x[1, 0]
+
+
+@njit(cache=True, error_model="numpy")
+def add_pose_bends(
+    gradient: FloatArray,
+    other: FloatArray,
+    motion: FloatArray,
+    turns: FloatArray,
+    slopes: FloatArray,
+    bends: FloatArray,
+    pose: FloatArray,
+    n_motion: int,
+    work: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Add the second derivatives of g . t + <N, G> to the upper triangle of out (16, 16).
+
+    gradient : (6,) g and m, by tau and alpha; bends : (2, 3, 3, 3, 3) of A and B; work : (12, 3, 3)
+    whose first three are as `relative_pose` left them.
+    """
+    base, turned, way = work[0], work[1], work[2, 0]
+    g, a, b = gradient[:3], OF_A + 3, OF_B + 3
+    skew, held, sums, seen = work[3], work[4], work[5], work[6]  # N, V = A N, K, Q^T V
     for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        constant(axial, 0.0)
-        for m in range(3):  # (A^T B)_kj - (A^T B)_jk
-            add_product(axial, 1.0, ra[3 * m + k], rb[3 * m + j], n, order)
-            add_product(axial, -1.0, ra[3 * m + j], rb[3 * m + k], n, order)
-        constant(q[i], 0.0)
-        add_product(q[i], 1.0, half, axial, n, order)
-    # Half the turn has the Gibbs vector q / (1 + q0), and 2 q is in `out`.
-    gibbs, share = work[6:9], work[5]
-    v = 1.0 + q0[0]
-    compose(share, q0, 0.5 / v, -0.5 / v**2, 1.0 / v**3, n, order)
-    for i in range(3):
-        constant(gibbs[i], 0.0)
-        add_product(gibbs[i], 1.0, share, q[i], n, order)
-    rotation_of(gibbs, work[9:11], work[11:20], n, order)
-    turned = work[20:23]  # A^T arrow
-    for i in range(3):
-        constant(turned[i], 0.0)
         for j in range(3):
-            add_product(turned[i], 1.0, ra[3 * j + i], arrow[j], n, order)
+            skew[i, j] = 0.0
+    for k in range(3):  # N = G [m] / 2
+        i, j = (k + 1) % 3, (k + 2) % 3
+        for row in range(3):
+            skew[row, i] += 0.5 * gradient[3 + k] * pose[1 + row, j]
+            skew[row, j] -= 0.5 * gradient[3 + k] * pose[1 + row, i]
+    _multiply(turns[0], skew, held)
     for i in range(3):
-        constant(out[i], 0.0)
         for j in range(3):
-            add_product(out[i], 1.0, work[11 + 3 * j + i], turned[j], n, order)
+            sums[i, j] = way[i] * g[j] + (
+                turned[i, 0] * skew[j, 0] + turned[i, 1] * skew[j, 1] + turned[i, 2] * skew[j, 2]
+            )
+    _multiply_turned(base, held, seen)
+    force, pulled, change, third = work[2, 1], work[2, 2], work[7], work[8]
+    for i in range(3):  # A g
+        force[i] = turns[0, i, 0] * g[0] + turns[0, i, 1] * g[1] + turns[0, i, 2] * g[2]
+    for k in range(3):
+        for m in range(k, 3):
+            out[a + k, a + m] += _inner(bends[0, k, m], sums)
+            out[b + k, b + m] += _inner(bends[1, k, m], seen)
+        part = slopes[0, k]
+        for i in range(3):
+            pulled[i] = part[i, 0] * g[0] + part[i, 1] * g[1] + part[i, 2] * g[2]
+        for m in range(3):
+            out[OF_A + m, a + k] -= pulled[m]
+            out[a + k, OF_B + m] += (
+                base[0, m] * pulled[0] + base[1, m] * pulled[1] + base[2, m] * pulled[2]
+            )
+        # <A_k, Q B_m N^T> = <Q^T A_k N, B_m>
+        _multiply(part, skew, change)
+        _multiply_turned(base, change, third)
+        for m in range(3):
+            out[a + k, b + m] += _inner(third, slopes[1, m])
+    rate, matrix, entry = work[9, 0], work[10], work[11]
+    for m in range(n_motion):
+        s = OF_S + m
+        _matrix(motion, 1 + m, matrix)
+        _arrow(motion, 1 + m, other, rate)
+        _multiply(matrix, turns[1], change)
+        for i in range(3):
+            for j in range(3):
+                entry[i, j] = rate[i] * g[j] + (
+                    change[i, 0] * skew[j, 0]
+                    + change[i, 1] * skew[j, 1]
+                    + change[i, 2] * skew[j, 2]
+                )
+        _multiply_turned(matrix, held, third)
+        for k in range(3):
+            out[a + k, s] += _inner(slopes[0, k], entry)
+            out[b + k, s] += _inner(slopes[1, k], third)
+            out[OF_B + k, s] += (
+                force[0] * matrix[0, k] + force[1] * matrix[1, k] + force[2] * matrix[2, k]
+            )
+        for n in range(m, n_motion):
+            both = 1 + N_MOTION + m * N_MOTION + n
+            _arrow(motion, both, other, rate)
+            _matrix(motion, both, matrix)
+            _multiply(matrix, turns[1], change)
+            out[s, OF_S + n] += (
+                force[0] * rate[0] + force[1] * rate[1] + force[2] * rate[2]
+            ) + _inner(change, held)

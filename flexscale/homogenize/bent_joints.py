@@ -1,4 +1,4 @@
-"""A cell on joints under one bend: energy, gradient and Hessian at a state."""
+"""Scales on joints under one bend: energy, gradient and Hessian at a state."""
 
 from __future__ import annotations
 
@@ -9,32 +9,28 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
-from flexscale.embedding.pair_kernels import (
-    add_blocks,
-    gather_column,
-    pull_forces,
-    pull_stencils,
-)
+from flexscale.embedding.pair_kernels import KEEP, LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
-from flexscale.embedding.rigid_motion import N_VARIABLES, OF_KAPPA
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.mechanics.energy import ALL, NOTHING
 from flexscale.solve.constraint import ConstrainedSystem
+from flexscale.solve.unconstrained import UnconstrainedSystem
 
 if TYPE_CHECKING:
-    from flexscale.homogenize.joint_cell import JointCell
+    from flexscale.homogenize.joint_problem import JointProblem
 
 
 @dataclass(frozen=True)
 class JointState:
-    """Energy and forces of the cell at a state z.
+    """Energy and forces at a state z.
 
     Attributes
     ----------
-    parts : (n_parts,) N mm, in the order of `JointCell.part_names`.
+    parts : (n_parts,) N mm, in the order of `JointProblem.part_names`.
     energy : N mm, their sum.
     gradient : (n_active,) dE/dz of the active unknowns.
     moment : N mm2, dE/dkappa at fixed z.
+    forces : (n_unknowns,) dE/dz of all unknowns, held ones as well.
     """
 
     z: FloatArray
@@ -43,21 +39,20 @@ class JointState:
     energy: float
     gradient: FloatArray
     moment: float
+    forces: FloatArray
 
-
-_NO_BLOCKS = np.zeros((0, N_VARIABLES, N_VARIABLES))
 
 
 class BentJoints:
-    """A cell of joints under one bend: an `Objective` for `solve.newton`."""
+    """Scales on joints under one bend: an `Objective` for `solve.newton`."""
 
-    def __init__(self, problem: JointCell, bend: Bend | TensorBend) -> None:
+    def __init__(self, problem: JointProblem, bend: Bend | TensorBend) -> None:
         self.problem, self.bend = problem, bend
         self.active, self.shift_mode = problem.active, problem.shift_mode
         self.energy_floor = problem.energy_floor
 
     @property
-    def system(self) -> ConstrainedSystem:
+    def system(self) -> ConstrainedSystem | UnconstrainedSystem:
         """Linear systems on the pattern of neighbors."""
         return self.problem.system
 
@@ -65,58 +60,35 @@ class BentJoints:
         """Energy and gradient at z."""
         problem, cell = self.problem, self.problem.embedding
         world = cell.place(z, self.bend)
-        gradient = np.zeros(cell.n_unknowns + 1)
-        parts = [problem.joints(world.poses, 1, gradient, _NO_BLOCKS)]
-        if problem.contact is not None:
-            parts.append(float(problem.contact.energy_parts(world.y)[0]))
-            if 0.0 < parts[1] < np.inf:
-                forces = np.zeros_like(world.y)
-                problem.contact.add_gradient(world.y, forces)
-                gradient += cell.pull_all(world, forces)
-        values = np.array(parts)
+        forces = np.zeros(cell.n_unknowns + 1)
+        parts, _ = problem.assemble(world, self.bend, forces)
         return JointState(
-            z, world, values, float(values.sum()), gradient[problem.active], float(gradient[-1])
-        )
-
-    def blocks(self, state: JointState, project: str = NOTHING) -> FloatArray:
-        """(n_pairs, 16, 16) second derivatives by each pair's variables."""
-        problem, cell = self.problem, self.problem.embedding
-        scales, rows = cell.scales, cell.scales.rows
-        needed = problem.jointed.copy()
-        touching = problem.contact is not None and state.parts[1] > 0.0
-        if problem.contact is not None and touching:
-            stencils, slopes, hessians = problem.contact.derivatives(
-                state.world.y, project != NOTHING
-            )
-            needed[rows.pair[stencils[:, 0]]] = True
-        poses = cell.poses(state.z, self.bend, 2, needed)
-        blocks = np.zeros((len(scales.pairs), N_VARIABLES, N_VARIABLES))
-        unused = np.zeros(cell.n_unknowns + 1)
-        problem.joints(poses, 2, unused, blocks)
-        if touching:
-            forces = np.zeros_like(state.world.y)
-            np.add.at(forces, stencils.ravel(), slopes.reshape(-1, 3))
-            where = (rows.pair, rows.second, rows.rest)
-            pull_forces(poses, scales.pairs, *where, forces, 2, unused, blocks)
-            pull_stencils(poses, *where, stencils, hessians, blocks)
-        if project == ALL:
-            values, modes = np.linalg.eigh(blocks[:, :OF_KAPPA, :OF_KAPPA])
-            modes *= np.sqrt(np.maximum(values, 0.0))[:, None, :]
-            blocks[:, :OF_KAPPA, :OF_KAPPA] = modes @ modes.transpose(0, 2, 1)
-        return blocks
+            z, world, parts, float(parts.sum()), forces[problem.active], float(forces[-1]),
+            forces[:-1],
+        )  # fmt: skip
 
     def hessian_values(self, state: JointState, project: str = NOTHING) -> FloatArray:
         """(nnz,) upper triangle of d2E/dz2; `project` replaces parts by their positive part."""
-        values = np.zeros(len(self.problem.rows))
-        add_blocks(self.blocks(state, project), self.problem.slots, values)
+        problem = self.problem
+        values, unused = np.zeros(len(problem.rows)), np.zeros(problem.embedding.n_unknowns + 1)
+        lift = {NOTHING: KEEP, ALL: LIFT_ALL}.get(project, LIFT_CONTACT)
+        problem.assemble(state.world, self.bend, unused, values, lift=lift)
         return values
+
+    def second_derivatives(
+        self, state: JointState, direction: FloatArray | None = None
+    ) -> FloatArray:
+        """(n_unknowns + 1,) second derivatives by all unknowns, then kappa, times a change of these
+        (n_unknowns + 1,); times one of kappa if none is given."""
+        unused = np.zeros(self.problem.embedding.n_unknowns + 1)
+        if direction is None:
+            direction = np.zeros_like(unused)
+            direction[-1] = 1.0
+        return self.problem.assemble(state.world, self.bend, unused, direction=direction)[1]
 
     def gradient_rate(self, state: JointState) -> FloatArray:
         """(n_active,) d(dE/dz)/dkappa at fixed z."""
-        cell = self.problem.embedding
-        out = np.zeros(cell.n_unknowns + 1)
-        gather_column(self.blocks(state), cell.scales.pairs, OF_KAPPA, out)
-        return out[self.active]
+        return self.second_derivatives(state)[self.active]
 
     def free_share(self, state: JointState, trial: JointState) -> float:
         """Share of the straight way from one state to another on which no scales meet."""

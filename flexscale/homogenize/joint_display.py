@@ -9,7 +9,6 @@ from scipy.spatial import cKDTree
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.rigid_cell import RigidCell
-from flexscale.embedding.rigid_motion import N_VARIABLES, N_WORK, place_pair
 from flexscale.mechanics.prism_contact import PrismContact
 from flexscale.mesh.options import MeshOptions
 from flexscale.mesh.torus import build_mesh
@@ -68,23 +67,16 @@ class JointDisplay:
 
     def place(self, z: FloatArray, bend: Bend) -> FloatArray:
         """(n_points, 3) in the world at a state z under a bend, mm."""
-        scales, tensor = self.embedding.scales, bend.tensor
-        lifts = self.embedding.lifts(tensor)
-        work, pose, still = np.empty((N_WORK, 1)), np.empty((24, 1)), np.zeros(6)
+        scales = self.embedding.scales
         level = 0.5 * self.pattern.substrate_thickness  # of the bases, over the anchors
         out = np.zeros_like(self.rest)
-        for (scale, shift), weight in zip(self._carriers, self._weights.T, strict=True):
-            place = scales.anchors[scale] + shift
-            own = np.array([0.0, lifts[scale]])
-            unknowns = z[6 * scale : 6 * scale + 6]
-            place_pair(
-                still, unknowns, own, place, tensor, z[-3:], bend.curvature, work, pose,
-                N_VARIABLES, 0,
-            )  # fmt: skip
+        numbers = np.array([scale for scale, _ in self._carriers])
+        places = scales.anchors[numbers] + [shift for _, shift in self._carriers]
+        poses = self.embedding.place_images(z, bend, numbers, places)
+        for place, pose, weight in zip(places, poses, self._weights.T, strict=True):
             used = weight > 0.0
             arms = self.rest[used] - [*place, -level]
-            moved = pose[12:15, 0] + arms @ pose[15:, 0].reshape(3, 3).T
-            out[used] += weight[used, None] * moved
+            out[used] += weight[used, None] * (pose[0] + arms @ pose[1:].T)
         out[:, 2] -= level
         return out
 
@@ -99,9 +91,9 @@ class JointDisplay:
         contact.add_gradient(world.y, on_rows)
         lengths = np.linalg.norm(on_rows, axis=1)
         pressed = np.flatnonzero(lengths > 0.0)
-        scale = scales.pairs[rows.pair[pressed], rows.second[pressed].astype(int)]
+        scale = scales.pairs[rows.pair[pressed], rows.table.second[pressed].astype(int)]
         level = 0.5 * self.pattern.substrate_thickness
-        corners = np.pad(scales.anchors[scale], ((0, 0), (0, 1))) + rows.rest[pressed]
+        corners = np.pad(scales.anchors[scale], ((0, 0), (0, 1))) + rows.table.rest[pressed]
         corners[:, 2] -= level
         nearest = cKDTree(self.mesh.scale_positions).query(corners)[1]
         np.add.at(force, nearest, lengths[pressed])

@@ -20,6 +20,12 @@ def jet_size(n: int) -> int:
 
 
 @njit(cache=True, error_model="numpy")
+def jet_length(n: int, order: int) -> int:
+    """Length of a jet of n variables that carries derivatives up to an order."""
+    return 1 + (n if order > 0 else 0) + (n * n if order > 1 else 0)
+
+
+@njit(cache=True, error_model="numpy")
 def constant(out: FloatArray, value: float) -> None:
     """A number without derivatives."""
     out[:] = 0.0

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -32,13 +33,19 @@ _REACH = 0.25  # delta, in widths of a coordinate's range
 _WALL = 8.0  # k, in the coordinate's stiffness at rest
 
 
+class LawTable(NamedTuple):
+    """A law as kernels take it; see `JointLaw`."""
+
+    exponents: IntArray
+    coefficients: FloatArray
+    thickness: float
+    modulus: float
+    bounds: FloatArray
+
+
 @njit(cache=True)
 def law_at(
-    exponents: IntArray,
-    coefficients: FloatArray,
-    thickness: float,
-    modulus: float,
-    bounds: FloatArray,
+    law: LawTable,
     q: FloatArray,
     gradient_out: FloatArray,
     hessian_out: FloatArray,
@@ -47,11 +54,11 @@ def law_at(
 
     Parameters
     ----------
-    exponents, coefficients, thickness, modulus, bounds : of a `JointLaw`.
     q : (4,)
     gradient_out : (4,) filled with dW/dq, N/mm and N.
     hessian_out : (4, 4) filled with d2W/dq2.
     """
+    thickness, bounds = law.thickness, law.bounds
     powers = np.empty((4, MOST_POWER + 1, 3))
     outside = False
     for i in range(4):
@@ -66,17 +73,15 @@ def law_at(
             r = reach * np.tanh((x - edge) / reach)
             slope = 1.0 - (r / reach) ** 2
             _fill_powers(powers[i], edge, r, slope, -2.0 * slope * r / reach**2)
-    energy = _sum_terms(exponents, coefficients, powers, gradient_out, hessian_out)
+    energy = _sum_terms(law.exponents, law.coefficients, powers, gradient_out, hessian_out)
     if outside:
-        energy += _add_walls(
-            exponents, coefficients, thickness, bounds, q, gradient_out, hessian_out
-        )
+        energy += _add_walls(law, q, gradient_out, hessian_out)
     for i in range(4):
-        scale = modulus * (thickness if i < 3 else thickness**2)
+        scale = law.modulus * (thickness if i < 3 else thickness**2)
         gradient_out[i] *= scale
         for j in range(4):
             hessian_out[i, j] *= scale / (thickness if j < 3 else 1.0)
-    return energy * modulus * thickness**2
+    return energy * law.modulus * thickness**2
 
 
 @njit(cache=True)
@@ -144,7 +149,9 @@ def _sum_terms(exponents, coefficients, powers, gradient, hessian):
 
 
 @njit(cache=True)
-def _add_walls(exponents, coefficients, thickness, bounds, q, gradient, hessian):
+def _add_walls(law, q, gradient, hessian):
+    exponents, coefficients = law.exponents, law.coefficients
+    thickness, bounds = law.thickness, law.bounds
     energy = 0.0
     for i in range(4):
         scale = thickness if i < 3 else 1.0
@@ -165,20 +172,9 @@ def _add_walls(exponents, coefficients, thickness, bounds, q, gradient, hessian)
 
 
 @njit(cache=True)
-def _laws_at(
-    exponents, coefficients, thickness, modulus, bounds, poses, energies, gradients, hessians
-):
+def _laws_at(law, poses, energies, gradients, hessians):
     for k in range(len(poses)):
-        energies[k] = law_at(
-            exponents,
-            coefficients,
-            thickness,
-            modulus,
-            bounds,
-            poses[k],
-            gradients[k],
-            hessians[k],
-        )
+        energies[k] = law_at(law, poses[k], gradients[k], hessians[k])
 
 
 @dataclass(frozen=True, repr=False)
@@ -231,9 +227,15 @@ class JointLaw(ShortRepr):
         return total.hexdigest()[:16]
 
     @property
-    def arguments(self) -> tuple[IntArray, FloatArray, float, float, FloatArray]:
-        """What `law_at` takes before the pose."""
-        return self.exponents, self.coefficients, self.thickness, self.modulus, self.bounds
+    def table(self) -> LawTable:
+        """What kernels take."""
+        return LawTable(
+            np.ascontiguousarray(self.exponents, dtype=np.int64),
+            np.ascontiguousarray(self.coefficients, dtype=float),
+            float(self.thickness),
+            float(self.modulus),
+            np.ascontiguousarray(self.bounds, dtype=float),
+        )
 
     def evaluate(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Energy, forces and tangent of poses.
@@ -249,7 +251,7 @@ class JointLaw(ShortRepr):
         poses = np.ascontiguousarray(q, dtype=float).reshape(-1, 4)
         n = len(poses)
         energies, gradients, hessians = np.empty(n), np.empty((n, 4)), np.empty((n, 4, 4))
-        _laws_at(*self.arguments, poses, energies, gradients, hessians)
+        _laws_at(self.table, poses, energies, gradients, hessians)
         return energies, gradients, hessians
 
     def inside(self, q: FloatArray) -> BoolArray:

@@ -12,16 +12,20 @@ from numba import njit
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.mechanics.barrier import MOST_SWEEP_STEPS, SWEEPS, Barrier
 from flexscale.mechanics.contact_gaps import LinearGaps
-from flexscale.mechanics.jets import add_hessian
 from flexscale.mechanics.prism_kernels import (
-    N,
+    N_WORK,
+    Candidates,
+    Memory,
     all_free_share,
+    barrier_energy,
     barrier_jet,
     closer_than,
-    total_energy,
 )
 
 _BASE, _TOP = 0, 1
+_MEMORY = 2.0  # d_hat, by which scales move until distances are measured anew
+N_ROWS = 12  # coordinates of a candidate
+_JET = 1 + N_ROWS  # of first order
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,77 +34,116 @@ class PrismRows:
 
     Attributes
     ----------
-    pair : (n_rows,) pair of scales that a row belongs to; each pair has rows of its own.
-    second : (n_rows,) whether it is of the second scale of the pair.
-    rest : (n_rows, 3) from the scale's anchor, mm.
-    stencils : (n, 4) rows: a corner and three of a wall, or two edges.
-    walls : how many of the stencils are corners before walls; they come first.
+    table : what kernels take; each pair has rows of its own.
+    pair : (n_rows,) pair of scales that a row belongs to.
     """
 
+    table: Candidates
     pair: IntArray
+
+    @property
+    def n_rows(self) -> int:
+        """How many corners there are, those of a scale once for each pair."""
+        return len(self.pair)
+
+
+@dataclass(frozen=True)
+class _OfTwo:
+    """Rows and candidates of two prisms."""
+
     second: BoolArray
     rest: FloatArray
     stencils: IntArray
-    walls: int
+    is_wall: BoolArray
 
 
 def find_prism_rows(
-    outlines: Sequence[FloatArray],
-    pairs: Sequence[tuple[int, int]],
+    pieces: Sequence[FloatArray],
+    meetings: Sequence[tuple[int, int, int]],
     ways: FloatArray,
     heights: tuple[float, float],
     reach: float,
+    n_pairs: int,
 ) -> PrismRows:
     """What can meet of pairs of prisms that stand side by side.
 
     Parameters
     ----------
-    outlines : (m_i, 2) of each scale, from its anchor, mm.
-    pairs : numbers of both scales of each pair.
-    ways : (n_pairs, 2) from the first one's anchor to the second's, mm.
+    pieces : (m_i, 2) outlines, each from the anchor of its scale, mm. A scale may have several.
+    meetings : two pieces, and the number of the pair of scales that they belong to.
+    ways : (n_pairs, 2) from the first scale's anchor to the second's, mm.
     heights : of bases and tops above the anchors, mm.
     reach : mm in the plane at rest; features farther apart never meet.
+    n_pairs : of scales, whether they can meet or not.
     """
-    rows: dict[tuple[int, int, int, int], int] = {}
+    known: dict[tuple[bytes, bytes, bytes], _OfTwo] = {}
+    shapes = [np.round(piece, 9).tobytes() for piece in pieces]
+    found: list[list[_OfTwo]] = [[] for _ in range(n_pairs)]
+    for a, b, pair in meetings:
+        # Most pairs of a large sheet are moved copies of a few.
+        key = (shapes[a], shapes[b], np.round(ways[pair], 9).tobytes())
+        if key not in known:
+            known[key] = _rows_of_two(pieces[a], pieces[b], ways[pair], heights, reach)
+        found[pair].append(known[key])
+    row_starts, starts = (np.zeros(n_pairs + 1, dtype=np.int64) for _ in range(2))
+    stencils = []
+    for k, parts in enumerate(found):
+        row_starts[k + 1], starts[k + 1] = row_starts[k], starts[k]
+        for part in parts:
+            stencils.append(part.stencils + row_starts[k + 1])
+            row_starts[k + 1] += len(part.rest)
+            starts[k + 1] += len(part.stencils)
+    parts = [part for each in found for part in each]
+    table = Candidates(
+        np.concatenate([np.zeros(0, dtype=bool), *(part.second for part in parts)]),
+        np.concatenate([np.zeros((0, 3)), *(part.rest for part in parts)]),
+        row_starts,
+        np.concatenate([np.zeros((0, 4), dtype=np.int64), *stencils]),
+        np.concatenate([np.zeros(0, dtype=bool), *(part.is_wall for part in parts)]),
+        starts,
+    )
+    return PrismRows(table, np.repeat(np.arange(n_pairs), np.diff(row_starts)))
+
+
+def _rows_of_two(
+    first: FloatArray,
+    second: FloatArray,
+    way: FloatArray,
+    heights: tuple[float, float],
+    reach: float,
+) -> _OfTwo:
+    rows: dict[tuple[int, int, int], int] = {}
     walls: list[tuple[int, ...]] = []
     edges: list[tuple[int, ...]] = []
     low = heights[_TOP] - heights[_BASE] < reach  # tops of low scales may meet bases
+    both = (first, second + way)
 
-    for number, ((a, b), way) in enumerate(zip(pairs, ways, strict=True)):
-        both = (outlines[a], outlines[b] + way)
+    def row(side: int, corner: int, level: int) -> int:
+        return rows.setdefault((side, corner % len(both[side]), level), len(rows))
 
-        def row(side: int, corner: int, level: int, number: int = number, both=both) -> int:
-            key = (number, side, corner % len(both[side]), level)
-            return rows.setdefault(key, len(rows))
-
-        for side in (0, 1):
-            mine, other = both[side], both[1 - side]
-            near = _to_segments(mine, other) < reach
-            for i, j in zip(*np.nonzero(near), strict=True):
-                wall = [
-                    row(1 - side, j, _BASE),
-                    row(1 - side, j + 1, _BASE),
-                    row(1 - side, j, _TOP),
-                ]
-                walls += [(row(side, i, level), *wall) for level in (_BASE, _TOP)]
-                upright = [row(side, i, _BASE), row(side, i, _TOP)]
-                for level in (_BASE, _TOP):
-                    edge = [row(1 - side, j, level), row(1 - side, j + 1, level)]
-                    edges.append((*upright, *edge) if side == 0 else (*edge, *upright))
-        apart = np.linalg.norm(both[0][:, None] - both[1][None], axis=2)
-        for i, j in zip(*np.nonzero(apart < reach), strict=True):
-            edges.append((row(0, i, 0), row(0, i, 1), row(1, j, 0), row(1, j, 1)))
-        for i, j in zip(*np.nonzero(_between_segments(*both) < reach), strict=True):
-            for levels in ((0, 0), (1, 1), *(((0, 1), (1, 0)) if low else ())):
-                first = (row(0, i, levels[0]), row(0, i + 1, levels[0]))
-                edges.append((*first, row(1, j, levels[1]), row(1, j + 1, levels[1])))
-    keys = np.array(list(rows), dtype=np.int64).reshape(-1, 4)
-    rest = np.empty((len(keys), 3))
-    for k, (number, side, corner, level) in enumerate(keys):
-        rest[k, :2] = outlines[pairs[number][side]][corner]
+    for side in (0, 1):
+        near = _to_segments(both[side], both[1 - side]) < reach
+        for i, j in zip(*np.nonzero(near), strict=True):
+            wall = [row(1 - side, j, _BASE), row(1 - side, j + 1, _BASE), row(1 - side, j, _TOP)]
+            walls += [(row(side, i, level), *wall) for level in (_BASE, _TOP)]
+            upright = [row(side, i, _BASE), row(side, i, _TOP)]
+            for level in (_BASE, _TOP):
+                edge = [row(1 - side, j, level), row(1 - side, j + 1, level)]
+                edges.append((*upright, *edge) if side == 0 else (*edge, *upright))
+    apart = np.linalg.norm(both[0][:, None] - both[1][None], axis=2)
+    for i, j in zip(*np.nonzero(apart < reach), strict=True):
+        edges.append((row(0, i, 0), row(0, i, 1), row(1, j, 0), row(1, j, 1)))
+    for i, j in zip(*np.nonzero(_between_segments(*both) < reach), strict=True):
+        for levels in ((0, 0), (1, 1), *(((0, 1), (1, 0)) if low else ())):
+            here = (row(0, i, levels[0]), row(0, i + 1, levels[0]))
+            edges.append((*here, row(1, j, levels[1]), row(1, j + 1, levels[1])))
+    rest = np.empty((len(rows), 3))
+    for k, (side, corner, level) in enumerate(rows):
+        rest[k, :2] = (first, second)[side][corner]
         rest[k, 2] = heights[level]
     stencils = np.array([*walls, *edges], dtype=np.int64).reshape(-1, 4)
-    return PrismRows(keys[:, 0], keys[:, 1] == 1, rest, stencils, len(walls))
+    is_wall = np.arange(len(stencils)) < len(walls)
+    return _OfTwo(np.array([side == 1 for side, _, _ in rows], dtype=bool), rest, stencils, is_wall)
 
 
 def _to_segments(points: FloatArray, polygon: FloatArray) -> FloatArray:
@@ -121,13 +164,18 @@ def _between_segments(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 class PrismContact(Barrier):
-    """Barrier energy between rigid prisms; a `PairEnergy` of their corners' positions.
+    """Barrier energy between rigid prisms, as a function of their corners' positions.
 
     Parameters
     ----------
     rows : what can meet.
     activation_distance : d_hat, mm.
     stiffness : of the barrier, N mm-3.
+
+    Attributes
+    ----------
+    memory : distances that kernels measured.
+    most : mm, by which scales move until they are measured anew.
     """
 
     part_names: tuple[str, ...] = ("contact",)
@@ -135,10 +183,13 @@ class PrismContact(Barrier):
     def __init__(self, rows: PrismRows, activation_distance: float, stiffness: float) -> None:
         super().__init__(activation_distance, stiffness)
         self.rows = rows
-
-    @property
-    def _squared(self) -> float:
-        return self.activation_distance**2
+        n_pairs = len(rows.table.starts) - 1
+        self.memory = Memory(
+            np.full((rows.n_rows, 3), np.nan),
+            np.zeros(len(rows.table.stencils)),
+            np.full(n_pairs, np.inf),
+        )
+        self.most = _MEMORY * activation_distance
 
     def positions(self, y: FloatArray) -> FloatArray:
         """(n_rows, 3) mm: the rows are positions."""
@@ -150,52 +201,34 @@ class PrismContact(Barrier):
 
     def energy_parts(self, y: FloatArray) -> FloatArray:
         """(1,) N mm; assumes a state without intersections."""
-        energy, _, _ = total_energy(y, self.rows.stencils, self.rows.walls, self._squared)
+        energy = barrier_energy(
+            y, self.rows.table, self.memory, self.activation_distance, self.most
+        )
         return np.array([self.stiffness * energy])
 
-    def derivatives(
-        self, y: FloatArray, project: bool = False
-    ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Stencils (n, 4) that act, their gradients (n, 12) and Hessians (n, 12, 12).
-
-        With `project`, the positive parts of the Hessians.
-        """
-        found = np.empty(len(self.rows.stencils), dtype=np.int64)
+    def _closer(self, y: FloatArray, reach: float) -> tuple[IntArray, FloatArray, float]:
+        """Candidates closer than a reach, mm, weights of their arrows, and the least distance."""
+        table = self.rows.table
+        found = np.empty(len(table.stencils), dtype=np.int64)
         shares = np.empty((len(found), 4))
-        args = (y, self.rows.stencils, self.rows.walls)
-        n = closer_than(*args, self._squared, found, shares)
-        gradients, hessians = np.empty((n, N)), np.empty((n, N, N))
-        _fill_derivatives(*args, self._squared, self.stiffness, found[:n], gradients, hessians)
-        if project and n:
-            values, modes = np.linalg.eigh(hessians)
-            modes *= np.sqrt(np.maximum(values, 0.0))[:, None, :]
-            hessians = modes @ modes.transpose(0, 2, 1)
-        return self.rows.stencils[found[:n]], gradients, hessians
+        n, squared = closer_than(y, table, self.memory, reach, self.most, found, shares)
+        return found[:n], shares[:n], float(np.sqrt(squared))
 
     def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
         """Add dE/dy [N] to `gradient (n_rows, 3)`."""
-        stencils, slopes, _ = self.derivatives(y)
-        np.add.at(gradient, stencils.ravel(), slopes.reshape(-1, 3))
-
-    def pair_blocks(self, y: FloatArray, project: bool = False) -> tuple[IntArray, FloatArray]:
-        """Pairs (n, 2) of rows, a <= b, and blocks (n, 3, 3) of d2E/dy2 or its positive part."""
-        stencils, _, hessians = self.derivatives(y, project)
-        blocks = hessians.reshape(-1, 4, 3, 4, 3).transpose(0, 1, 3, 2, 4).reshape(-1, 3, 3)
-        pairs = np.stack(np.broadcast_arrays(stencils[:, :, None], stencils[:, None, :]), axis=-1)
-        pairs = pairs.reshape(-1, 2)
-        kept = pairs[:, 0] <= pairs[:, 1]
-        return pairs[kept], blocks[kept]
-
-    def near_pairs(self, y: FloatArray) -> IntArray:
-        """(0, 2): neighbors have room in the Hessian whether they touch or not."""
-        return np.zeros((0, 2), dtype=np.int64)
+        found, _, _ = self._closer(y, self.activation_distance)
+        _add_gradient(
+            y, self.rows.table, found, self.activation_distance, self.stiffness, gradient
+        )
 
     def free_share(self, start: FloatArray, end: FloatArray) -> float:
         """Share of the straight way from y = start to end on which nothing passes through."""
         done = 0.0
         for _ in range(SWEEPS):
-            here = start + done * (end - start)
-            share = all_free_share(here, end, self.rows.stencils, self.rows.walls, MOST_SWEEP_STEPS)
+            here = start + done * (end - start) if done else start
+            share = all_free_share(
+                here, end, self.rows.table, self.memory, self.most, MOST_SWEEP_STEPS
+            )
             if share >= 1.0:
                 return 1.0
             done += (1.0 - done) * share
@@ -203,11 +236,9 @@ class PrismContact(Barrier):
 
     def gaps(self, y: FloatArray, reach: float) -> LinearGaps:
         """Distances of candidates closer than `reach` [mm], linear around y."""
-        found = np.empty(len(self.rows.stencils), dtype=np.int64)
-        shares = np.empty((len(found), 4))
-        n = closer_than(y, self.rows.stencils, self.rows.walls, reach**2, found, shares)
-        stencils = self.rows.stencils[found[:n]]
-        entries = (shares[:n].ravel(), (np.repeat(np.arange(n), 4), stencils.ravel()))
+        found, shares, _ = self._closer(y, reach)
+        n, stencils = len(found), self.rows.table.stencils[found]
+        entries = (shares.ravel(), (np.repeat(np.arange(n), 4), stencils.ravel()))
         matrix = sp.csr_array(entries, shape=(n, len(y)))
         arrows = matrix @ y
         distances = np.linalg.norm(arrows, axis=1)
@@ -216,43 +247,42 @@ class PrismContact(Barrier):
 
     def intersects(self, y: FloatArray) -> bool:
         """Whether things that can meet are in one another: at rest, neighbors stand apart."""
-        return self.smallest_distance(y, np.inf) <= 0.0
+        return self._closer(y, self.activation_distance)[2] <= 0.0
 
     def smallest_distance(self, y: FloatArray, reach: float) -> float:
         """Smallest distance between scales, mm; infinite beyond `reach`."""
-        squared = total_energy(y, self.rows.stencils, self.rows.walls, self._squared)[2]
-        return float(np.sqrt(squared)) if squared < reach**2 else float("inf")
+        return self._closer(y, reach)[2]
 
     def active_pairs(self, y: FloatArray) -> int:
         """Number of candidates closer than d_hat."""
-        return int(total_energy(y, self.rows.stencils, self.rows.walls, self._squared)[1])
+        return len(self._closer(y, self.activation_distance)[0])
 
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the first scales' corners, as lengths of vectors, N."""
         forces = np.zeros_like(y)
         self.add_gradient(y, forces)
-        return float(np.linalg.norm(forces[~self.rows.second], axis=1).sum())
+        return float(np.linalg.norm(forces[~self.rows.table.second], axis=1).sum())
 
 
 @njit(cache=True, error_model="numpy")
-def _fill_derivatives(
+def _add_gradient(
     y: FloatArray,
-    stencils: IntArray,
-    walls: int,
-    squared: float,
-    stiffness: float,
+    table: Candidates,
     found: IntArray,
-    gradients: FloatArray,
-    hessians: FloatArray,
+    d_hat: float,
+    stiffness: float,
+    gradient: FloatArray,
 ) -> None:
-    size = 1 + N + N * N
-    work, out, x = np.empty((16, size)), np.empty(size), np.empty((4, 3))
-    for m in range(len(found)):
-        k = found[m]
+    work, out = np.empty((N_WORK, _JET)), np.empty(_JET)
+    rows = np.zeros((4, 3, _JET))
+    for i in range(4):
+        for c in range(3):
+            rows[i, c, 1 + 3 * i + c] = 1.0
+    for s in found:
         for i in range(4):
-            x[i] = y[stencils[k, i]]
-        barrier_jet(k < walls, x, squared, work, out)
-        for i in range(N):
-            gradients[m, i] = stiffness * out[1 + i]
-        hessians[m] = 0.0
-        add_hessian(hessians[m], stiffness, out, N)
+            for c in range(3):
+                rows[i, c, 0] = y[table.stencils[s, i], c]
+        if barrier_jet(table.is_wall[s], rows, d_hat * d_hat, work, out, N_ROWS, 1):
+            for i in range(4):
+                for c in range(3):
+                    gradient[table.stencils[s, i], c] += stiffness * out[1 + 3 * i + c]

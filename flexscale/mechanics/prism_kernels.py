@@ -11,17 +11,47 @@ smooth, and has the symmetry of the prisms.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
-from flexscale.arrays import FloatArray, IntArray
-from flexscale.mechanics.jets import add_product, compose, constant
+from flexscale.arrays import BoolArray, FloatArray, IntArray
+from flexscale.mechanics.jets import add_product, add_scaled, compose, constant
 
-N = 12  # coordinates of a candidate
+N_WORK = 16  # rows of jets that `barrier_jet` works in
 PARALLEL = 1e-3  # squared sine of the angle of two edges, below which their barrier fades
 _SAME_WAY = 1e-9  # squared sine, below which two edges are a point and a line
 _TOUCHING = 1e-16  # of D_hat: nearer is rounding
 _SHARE = 0.9  # of a distance that one step of collision detection may use up
+
+
+class Candidates(NamedTuple):
+    """What can meet of pairs of prisms; those of a pair stand together.
+
+    second : (n_rows,) whether a row is of a pair's second scale; rest : (n_rows, 3) of its corner
+    from the scale's anchor, mm; row_starts : (n_pairs + 1,). stencils : (n, 4) rows; is_wall : (n,)
+    a corner and three of a wall, or two edges; starts : (n_pairs + 1,).
+    """
+
+    second: BoolArray
+    rest: FloatArray
+    row_starts: IntArray
+    stencils: IntArray
+    is_wall: BoolArray
+    starts: IntArray
+
+
+class Memory(NamedTuple):
+    """Distances once measured. What scales have moved since then bounds what they are now, so that
+    those that are far need not be measured at each step; results do not depend on it.
+
+    places : (n_rows, 3) where they were measured, mm; distances : (n,); least : (n_pairs,) mm.
+    """
+
+    places: FloatArray
+    distances: FloatArray
+    least: FloatArray
 
 
 @njit(cache=True, error_model="numpy")
@@ -106,59 +136,69 @@ def _sine(x: FloatArray) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _combine(weights: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """out (3, jet) = sum of weights times rows, as functions of the rows' coordinates."""
-    out[:] = 0.0
+def _combine(weights: FloatArray, rows: FloatArray, out: FloatArray) -> None:
+    """out (3, jet) = sum of weights times rows."""
     for c in range(3):
+        constant(out[c], 0.0)
         for k in range(4):
-            out[c, 0] += weights[k] * x[k, c]
-            out[c, 1 + 3 * k + c] = weights[k]
+            if weights[k] != 0.0:
+                add_scaled(out[c], weights[k], rows[k, c])
 
 
 @njit(cache=True, error_model="numpy")
-def _cross(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+def _cross(a: FloatArray, b: FloatArray, out: FloatArray, n: int, order: int) -> None:
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         constant(out[i], 0.0)
-        add_product(out[i], 1.0, a[j], b[k], N, 2)
-        add_product(out[i], -1.0, a[k], b[j], N, 2)
+        add_product(out[i], 1.0, a[j], b[k], n, order)
+        add_product(out[i], -1.0, a[k], b[j], n, order)
 
 
 @njit(cache=True, error_model="numpy")
-def _inner(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+def _inner(a: FloatArray, b: FloatArray, out: FloatArray, n: int, order: int) -> None:
     constant(out, 0.0)
     for i in range(3):
-        add_product(out, 1.0, a[i], b[i], N, 2)
+        add_product(out, 1.0, a[i], b[i], n, order)
 
 
 @njit(cache=True, error_model="numpy")
-def _ratio(above: FloatArray, below: FloatArray, inverse: FloatArray, out: FloatArray) -> None:
+def _ratio(
+    above: FloatArray, below: FloatArray, inverse: FloatArray, out: FloatArray, n: int, order: int
+) -> None:
     v = below[0]
-    compose(inverse, below, 1.0 / v, -1.0 / v**2, 2.0 / v**3, N, 2)
+    compose(inverse, below, 1.0 / v, -1.0 / v**2, 2.0 / v**3, n, order)
     constant(out, 0.0)
-    add_product(out, 1.0, above, inverse, N, 2)
+    add_product(out, 1.0, above, inverse, n, order)
 
 
 @njit(cache=True, error_model="numpy")
 def barrier_jet(
-    is_wall: bool, x: FloatArray, d_hat: float, work: FloatArray, out: FloatArray
+    is_wall: bool,
+    rows: FloatArray,
+    d_hat: float,
+    work: FloatArray,
+    out: FloatArray,
+    n: int,
+    order: int,
 ) -> bool:
-    """Barrier of a candidate with its derivatives by the coordinates; False beyond D_hat.
+    """Barrier of a candidate with its derivatives by n variables; False beyond D_hat.
 
-    x : (4, 3); work : (16, jet) of N variables; out : (jet,).
+    rows : (4, 3, jet) positions; work : (N_WORK, jet); out : (jet,).
     """
-    shares = np.empty(4)
+    shares, x = np.empty(4), np.empty((4, 3))
+    for k in range(4):
+        for c in range(3):
+            x[k, c] = rows[k, c, 0]
     squared, code = nearest(is_wall, x, shares)
     if squared >= d_hat:
         return False
     distance, one, two, part = work[0], work[1], work[2], work[3]
     arrow, u, v, normal = work[4:7], work[7:10], work[10:13], work[13:16]
-    weights = np.empty(4)
+    weights = np.zeros(4)
     if code == 0:
-        _combine(shares, x, arrow)
-        _inner(arrow, arrow, distance)
+        _combine(shares, rows, arrow)
+        _inner(arrow, arrow, distance, n, order)
     elif code == 1:
-        weights[:] = 0.0
         if is_wall:  # the rim on which the nearest point lies
             a, b = -shares[2], -shares[3]
             weights[2 if b <= 0.0 or b >= 1.0 else 3] = 1.0
@@ -169,52 +209,53 @@ def barrier_jet(
         else:
             weights[0], weights[1] = -1.0, 1.0
         # The nearest point may be any fixed one of the line.
-        _combine(shares, x, arrow)
-        _combine(weights, x, u)
-        _cross(arrow, u, normal)
-        _inner(normal, normal, one)
-        _inner(u, u, two)
-        _ratio(one, two, part, distance)
+        _combine(shares, rows, arrow)
+        _combine(weights, rows, u)
+        _cross(arrow, u, normal, n, order)
+        _inner(normal, normal, one, n, order)
+        _inner(u, u, two, n, order)
+        _ratio(one, two, part, distance, n, order)
     else:
-        weights[:] = 0.0
         if is_wall:
             weights[1], weights[2] = -1.0, 1.0
-            _combine(weights, x, u)
+            _combine(weights, rows, u)
             weights[2], weights[3] = 0.0, 1.0
         else:
             weights[0], weights[1] = -1.0, 1.0
-            _combine(weights, x, u)
+            _combine(weights, rows, u)
             weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
-        _combine(weights, x, v)
-        _combine(shares, x, arrow)
-        _cross(u, v, normal)
-        _inner(arrow, normal, part)
+        _combine(weights, rows, v)
+        _combine(shares, rows, arrow)
+        _cross(u, v, normal, n, order)
+        _inner(arrow, normal, part, n, order)
         constant(one, 0.0)
-        add_product(one, 1.0, part, part, N, 2)
-        _inner(normal, normal, two)
-        _ratio(one, two, part, distance)
+        add_product(one, 1.0, part, part, n, order)
+        _inner(normal, normal, two, n, order)
+        _ratio(one, two, part, distance, n, order)
     b = barrier(distance[0], d_hat)
-    compose(out, distance, b[0], b[1], b[2], N, 2)
-    if not is_wall:
-        sine = _sine(x)
-        if sine < PARALLEL:
-            weights[:] = 0.0
-            weights[0], weights[1] = -1.0, 1.0
-            _combine(weights, x, u)
-            weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
-            _combine(weights, x, v)
-            _cross(u, v, normal)
-            _inner(normal, normal, one)
-            _inner(u, u, part)
-            _inner(v, v, distance)
-            constant(two, 0.0)
-            add_product(two, 1.0, part, distance, N, 2)
-            _ratio(one, two, part, distance)
-            m = mollifier(distance[0])
-            compose(part, distance, m[0], m[1], m[2], N, 2)
-            constant(one, 0.0)
-            add_product(one, 1.0, part, out, N, 2)
-            out[:] = one
+    constant(out, 0.0)
+    compose(out, distance, b[0], b[1], b[2], n, order)
+    if is_wall:
+        return True
+    sine = _sine(x)
+    if sine < PARALLEL:
+        weights[:] = 0.0
+        weights[0], weights[1] = -1.0, 1.0
+        _combine(weights, rows, u)
+        weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
+        _combine(weights, rows, v)
+        _cross(u, v, normal, n, order)
+        _inner(normal, normal, one, n, order)
+        _inner(u, u, part, n, order)
+        _inner(v, v, distance, n, order)
+        constant(two, 0.0)
+        add_product(two, 1.0, part, distance, n, order)
+        _ratio(one, two, part, distance, n, order)
+        m = mollifier(distance[0])
+        compose(part, distance, m[0], m[1], m[2], n, order)
+        constant(one, 0.0)
+        add_product(one, 1.0, part, out, n, order)
+        out[:] = one
     return True
 
 
@@ -253,55 +294,111 @@ def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps:
 
 
 @njit(cache=True, error_model="numpy")
-def total_energy(
-    y: FloatArray, stencils: IntArray, walls: int, d_hat: float
-) -> tuple[float, int, float]:
-    """Barrier of all candidates, stiffness 1; how many act; the smallest squared distance.
+def _rows_of(y: FloatArray, stencil: IntArray, x: FloatArray) -> None:
+    for i in range(4):
+        for c in range(3):
+            x[i, c] = y[stencil[i], c]
 
-    stencils : (n, 4) rows of y; the first `walls` of them are corners before walls.
-    """
-    energy, acting, smallest = 0.0, 0, np.inf
-    x, shares = np.empty((4, 3)), np.empty(4)
-    for k in range(len(stencils)):
-        for i in range(4):
-            x[i] = y[stencils[k, i]]
-        squared, _ = nearest(k < walls, x, shares)
-        smallest = min(smallest, squared)
-        if squared < d_hat:
-            acting += 1
-            energy += energy_of(k < walls, x, d_hat, shares)
-    return energy, acting, smallest
+
+@njit(cache=True, error_model="numpy")
+def greatest_way(y: FloatArray, before: FloatArray, table: Candidates, k: int) -> float:
+    """By how much distances between scales of pair k may differ between two places y, at most."""
+    greatest = np.zeros(2)
+    for r in range(table.row_starts[k], table.row_starts[k + 1]):
+        a, b, c = y[r, 0] - before[r, 0], y[r, 1] - before[r, 1], y[r, 2] - before[r, 2]
+        side = 1 if table.second[r] else 0
+        squared = a * a + b * b + c * c
+        if not squared <= greatest[side]:  # unknown places before: nan
+            greatest[side] = squared
+    return np.sqrt(greatest[0]) + np.sqrt(greatest[1])
+
+
+@njit(cache=True, error_model="numpy")
+def moved_since(
+    y: FloatArray, table: Candidates, k: int, memory: Memory, most: float
+) -> float:
+    """By how much pair k moved since its distances were measured; they are anew if by `most`."""
+    way = greatest_way(y, memory.places, table, k)
+    if way < most:
+        return way
+    for r in range(table.row_starts[k], table.row_starts[k + 1]):
+        memory.places[r] = y[r]
+    least, x, shares = np.inf, np.empty((4, 3)), np.empty(4)
+    for s in range(table.starts[k], table.starts[k + 1]):
+        _rows_of(y, table.stencils[s], x)
+        memory.distances[s] = np.sqrt(nearest(table.is_wall[s], x, shares)[0])
+        least = min(least, memory.distances[s])
+    memory.least[k] = least
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def barrier_energy(
+    y: FloatArray, table: Candidates, memory: Memory, d_hat: float, most: float
+) -> float:
+    """Barrier of all candidates, of stiffness 1; d_hat in mm, not squared."""
+    energy, x, shares = 0.0, np.empty((4, 3)), np.empty(4)
+    for k in range(len(table.starts) - 1):
+        way = moved_since(y, table, k, memory, most)
+        if memory.least[k] - way >= d_hat:
+            continue
+        for s in range(table.starts[k], table.starts[k + 1]):
+            if memory.distances[s] - way < d_hat:
+                _rows_of(y, table.stencils[s], x)
+                energy += energy_of(table.is_wall[s], x, d_hat * d_hat, shares)
+    return energy
 
 
 @njit(cache=True, error_model="numpy")
 def closer_than(
     y: FloatArray,
-    stencils: IntArray,
-    walls: int,
-    squared_reach: float,
+    table: Candidates,
+    memory: Memory,
+    reach: float,
+    most: float,
     found: IntArray,
     shares: FloatArray,
-) -> int:
-    """Candidates closer than a reach, (n,) and the weights (n, 4) of their arrows; how many."""
-    n, own, x = 0, np.empty(4), np.empty((4, 3))
-    for k in range(len(stencils)):
-        for i in range(4):
-            x[i] = y[stencils[k, i]]
-        if nearest(k < walls, x, own)[0] < squared_reach:
-            found[n], shares[n] = k, own
-            n += 1
-    return n
+) -> tuple[int, float]:
+    """Candidates closer than a reach, (n,) and the weights (n, 4) of their arrows; how many, and
+    the smallest squared distance among them."""
+    n, own, x, smallest = 0, np.empty(4), np.empty((4, 3)), np.inf
+    for k in range(len(table.starts) - 1):
+        way = moved_since(y, table, k, memory, most)
+        if memory.least[k] - way >= reach:
+            continue
+        for s in range(table.starts[k], table.starts[k + 1]):
+            if memory.distances[s] - way >= reach:
+                continue
+            _rows_of(y, table.stencils[s], x)
+            squared = nearest(table.is_wall[s], x, own)[0]
+            if squared < reach * reach:
+                smallest = min(smallest, squared)
+                found[n], shares[n] = s, own
+                n += 1
+    return n, smallest
 
 
 @njit(cache=True, error_model="numpy")
 def all_free_share(
-    start: FloatArray, end: FloatArray, stencils: IntArray, walls: int, most_steps: int
+    start: FloatArray,
+    end: FloatArray,
+    table: Candidates,
+    memory: Memory,
+    most: float,
+    most_steps: int,
 ) -> float:
     """Smallest free share of all candidates."""
     share, x0, x1 = 1.0, np.empty((4, 3)), np.empty((4, 3))
-    for k in range(len(stencils)):
-        for i in range(4):
-            x0[i], x1[i] = start[stencils[k, i]], end[stencils[k, i]]
-        x1 = x0 + share * (x1 - x0)
-        share *= free_share_of(k < walls, x0, x1, most_steps)
+    for k in range(len(table.starts) - 1):
+        speed = greatest_way(end, start, table, k)
+        way = moved_since(start, table, k, memory, most)
+        if memory.least[k] - way > speed:
+            continue
+        for s in range(table.starts[k], table.starts[k + 1]):
+            if memory.distances[s] - way > speed:
+                continue
+            _rows_of(start, table.stencils[s], x0)
+            _rows_of(end, table.stencils[s], x1)
+            x1 = x0 + share * (x1 - x0)
+            share *= free_share_of(table.is_wall[s], x0, x1, most_steps)
     return share

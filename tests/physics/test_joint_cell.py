@@ -258,7 +258,7 @@ def test_small_scales_beside_wide_gaps_can_touch() -> None:
     """What can meet is sought farther than the gap, however small the tiles."""
     small = Pattern.from_polygons([0.2 * SQUARE], [2.0, 0.0], [0.0, 2.0], gap=0.6, scale_height=4.0)
     problem = JointCell(small, replace(LAW, thickness=0.4), MODEL)
-    assert len(problem.embedding.scales.rows.stencils) > 0
+    assert len(problem.embedding.scales.rows.table.stencils) > 0
 
 
 def test_a_law_of_another_sheet_is_refused() -> None:

@@ -356,6 +356,7 @@ def assemble(
     values: FloatArray,
     direction: FloatArray,
     rate: FloatArray,
+    split: FloatArray,
 ) -> tuple[float, float]:
     """Energies of all joints and of all contact, N mm, and their derivatives, added.
 
@@ -369,6 +370,7 @@ def assemble(
         -1 for none. With none at all, (0, SLOTS), second derivatives are not computed.
     values : (nnz,) upper triangle of the Hessian of those unknowns that are sought.
     direction, rate : (n_unknowns + 1,), of which the second is the full Hessian times the first.
+    split : (n_pairs, 2) filled with both energies of each pair; (0, 2) if nobody asks.
     """
     order = 2 if len(slots) else 1
     posing, block = _new_posing(order), np.empty((_N, _N))
@@ -392,8 +394,9 @@ def assemble(
         turn_jets(pose, turn, order)
         total[:] = 0.0
         hessian[:] = 0.0
+        energy = touching = 0.0
         if near:
-            contact += _add_contact(
+            touching = _add_contact(
                 pose, turn, table, memory, k, d_hat, way, stiffness, order, rows, barrier_work, out,
                 total, hessian,
             )  # fmt: skip
@@ -405,9 +408,13 @@ def assemble(
             middle_pose(
                 pose, turn, stations.arms[k, 0], stations.arms[k, 1], middle, relative, order
             )
-            joints += joint_energy(relative[:, 0].copy(), stations, k, law, slope, bend)
+            energy = joint_energy(relative[:, 0].copy(), stations, k, law, slope, bend)
             _add_joint(relative, slope, bend, order, total, hessian)
-        elif not total.any():
+        joints += energy
+        contact += touching
+        if len(split):
+            split[k, 0], split[k, 1] = energy, touching
+        if not jointed and not total.any():
             continue
         last = OF_S + pairs.n_motion
         for i in range(last):
@@ -531,3 +538,83 @@ def row_rates(
                 out[r, c] = moved[c]
                 for j in range(3):
                     out[r, c] += poses[k, 1 + c, j] * spun[j]
+
+
+@njit(cache=True, error_model="numpy")
+def gap_slopes(
+    bending: Bending,
+    pairs: Pairs,
+    poses: FloatArray,
+    table: Candidates,
+    found: IntArray,
+    shares: FloatArray,
+    normals: FloatArray,
+) -> FloatArray:
+    """(n, 16) derivatives of distances by their pairs' variables.
+
+    found : (n,) candidates; shares : (n, 4) of their rows in the arrow; normals : (n, 3) along
+    which it is measured.
+    """
+    out, posing, last = np.zeros((len(found), _N)), _new_posing(1), -1
+    total, turned, row_starts = np.empty(6), np.empty(3), table.row_starts
+    for m in range(len(found)):
+        first = table.stencils[found[m], 0]
+        if last < 0 or not row_starts[last] <= first < row_starts[last + 1]:
+            last = np.searchsorted(row_starts, first, side="right") - 1
+            _set_pose(bending, pairs, last, 1, posing)
+        total[:] = 0.0
+        for j in range(3):
+            turned[j] = 0.0
+            for c in range(3):
+                turned[j] += poses[last, 1 + c, j] * normals[m, c]
+        for v in range(4):
+            r = table.stencils[found[m], v]
+            if not table.second[r]:
+                continue
+            for c in range(3):
+                total[c] += shares[m, v] * normals[m, c]
+            for i in range(3):
+                j, k = (i + 1) % 3, (i + 2) % 3
+                arm = table.rest[r, j] * turned[k] - table.rest[r, k] * turned[j]
+                total[3 + i] += shares[m, v] * arm
+        for i in range(OF_S + pairs.n_motion):
+            for c in range(6):
+                out[m, i] += total[c] * posing.jacobian[c, i]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def add_springs(
+    slopes: FloatArray,
+    of_pair: IntArray,
+    pairs: Pairs,
+    stiffness: float,
+    short: FloatArray,
+    slots: IntArray,
+    values: FloatArray,
+    pull: FloatArray,
+) -> None:
+    """Add springs in gaps to the Hessian's values, and to pull (n_unknowns + 1,) their forces.
+
+    slopes : (n, 16) of `gap_slopes`; of_pair : (n,); stiffness : N/mm; short : (n,) mm.
+    """
+    block, unused = np.zeros((_N, _N)), np.zeros(len(pull))
+    for m in range(len(slopes)):
+        k = of_pair[m]
+        for i in range(OF_S + pairs.n_motion):
+            pull[unknown_of(pairs, k, i)] += stiffness * short[m] * slopes[m, i]
+            for j in range(i, _N):
+                block[i, j] = stiffness * slopes[m, i] * slopes[m, j]
+        _scatter(block, pairs, k, OF_S + pairs.n_motion, slots[k], values, unused, unused)
+
+
+@njit(cache=True, error_model="numpy")
+def gap_rates(
+    slopes: FloatArray, of_pair: IntArray, pairs: Pairs, change: FloatArray
+) -> FloatArray:
+    """(n,) change of distances for one of the unknowns (n_unknowns + 1,); see `gap_slopes`."""
+    out = np.zeros(len(slopes))
+    for m in range(len(slopes)):
+        for i in range(OF_S + pairs.n_motion):
+            out[m] += slopes[m, i] * change[unknown_of(pairs, of_pair[m], i)]
+    return out

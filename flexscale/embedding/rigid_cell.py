@@ -227,6 +227,10 @@ class RigidCell:
             self._known = (key, made)
         return self._known[1]
 
+    def forget(self) -> None:
+        """Ask `scales` anew, whose anchors have moved."""
+        self._known = None
+
     def place(self, z: FloatArray, bend: Bend | TensorBend) -> RigidWorld:
         """World positions at state z under `bend`."""
         bending, rows = Bending(z, float(bend.curvature), bend.tensor), self.scales.rows

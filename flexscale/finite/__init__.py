@@ -1,1 +1,1 @@
-"""Sheets, strips and stages of the scales themselves: the native model without a period."""
+"""Whole sheets, strips and discs of rigid scales on joints."""

@@ -1,104 +1,75 @@
-"""A rectangular sheet of the native model between two end strips on a cylinder (Figs. 13, 14).
+"""A rectangular sheet of scales on joints between two end strips on a cylinder (Figs. 13, 14).
 
-Scales that the ends cut are the strips: flat, tangent to the cylinder at the end. Those of the near
-end are held; those of the far end are carried along the arc by (1 + Sxx) times the sheet's length.
-They keep their place on the cylinder's radius and the cylinder's rotation, and slide along the arc
-as one body. So the sheet is a cell that is periodic along its length only, with the pieces at its
-seam held.
+Scales that touch the ends are the strips: flat, tangent to the cylinder at the end. Those of the
+near end are held; those of the far end are carried along the arc by (1 + Sxx) times the sheet's
+length. They keep their place on the cylinder's radius and the cylinder's rotation, and slide along
+the arc as one body. All other scales are as those of a cell under the same bend, without a period.
+
+A long sheet that is held so leaves the arc: it becomes shorter along it, and so turns less. `ends`
+"turned" instead turns the far strip by curvature times length and leaves it free to move in the
+plane of bending, which takes a moment and no force.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from flexscale.arrays import IntArray
-from flexscale.embedding.bodies import Body
-from flexscale.embedding.body_cell import BodyCell
-from flexscale.embedding.cell import CellEmbedding
-from flexscale.errors import BadInputError
-from flexscale.finite.finite_sheet import FiniteHold, FiniteSheet
-from flexscale.homogenize.cell_model import CellModel
-from flexscale.homogenize.hold import Embedding
+from flexscale.arrays import FloatArray, IntArray
+from flexscale.errors import BadInputError, PatternError
+from flexscale.finite.joint_sheet import JointSheet
+from flexscale.finite.sheet_scales import SheetScales, find_sheet_scales
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel
-from flexscale.mechanics.contact import ContactSurface
 from flexscale.mechanics.load_series import require_bends
-from flexscale.mesh.periodic_mesh import FREE
-from flexscale.patterns import Pattern
-from flexscale.patterns.clipped import clip_pattern
+from flexscale.patterns.laid import LaidPattern, lay_pattern, on_line, rectangle
+from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SOME_SIDES
 from flexscale.solve.solver_options import SolverOptions
 
 
-class EndStrips(FiniteHold):
-    """Scales that the ends cut are strips on a cylinder."""
-
-    def bodies(self, inner: CellEmbedding, model: CellModel) -> list[Body]:
-        """The scales; those of the strips turn with the cylinder at the end, and do not leave its
-        tangent."""
-        bodies = super().bodies(inner, model)
-        for k in np.flatnonzero(self.tiles.at_end):
-            body = bodies[k]
-            anchored = body.anchored(body.anchor * [0.0, 1.0])
-            bodies[k] = replace(anchored, second_moment=np.zeros((2, 2)))
-        return bodies
-
-    def surface(self, inner: CellEmbedding) -> ContactSurface | None:
-        """Scales of a strip are one body: they do not meet one another."""
-        surface = inner.contact_surface
-        if surface is None or not self.tiles.at_end.any():
-            return surface
-        scale = np.empty(inner.mesh.n_scale_vertices, dtype=np.int64)
-        scale[inner.mesh.tets.ravel()] = np.repeat(inner.mesh.tet_scale, inner.mesh.tets.shape[1])
-        known = surface.vertices >= 0
-        of_body = np.empty(surface.bodies.max() + 1, dtype=np.int64)
-        of_body[surface.bodies[known]] = scale[surface.vertices[known]]
-        held = self.tiles.at_end[of_body[surface.bodies]]
-        home = np.arange(len(held)) < surface.n_home
-        bodies = surface.bodies.copy()
-        for strip in (held & home, held & ~home):
-            bodies[strip] = bodies[strip].min(initial=0)
-        return replace(surface, bodies=bodies)
-
-    def active(self, embedding: Embedding) -> IntArray:
-        """All but the strips', what no element depends on, and of the lattice's strain Syy, Sxy."""
-        assert isinstance(embedding, BodyCell)
-        inner, mesh = embedding.inner, embedding.mesh
-        n, n_bodies = embedding.n_unknowns, int(embedding.world_map.starts[-1])
-        free = self.used(embedding)
-        starts = embedding.world_map.starts
-        for k in np.flatnonzero(self.tiles.at_end):
-            free[starts[k] : starts[k + 1]] = False
-        on_end = np.abs(mesh.positions[:, 0]) < 1e-6 * self.tiles.length
-        nodes = inner.vertex_node[on_end & (mesh.vertex_kind == FREE)]
-        free[nodes[:, None] + np.arange(9) + n_bodies - 3 * inner.n_nodes] = False
-        free[n - 3 :] = True, False, False
-        return np.flatnonzero(free)
-
-
-class NativeSheet(FiniteSheet):
-    """A sheet of whole and cut scales; the same interface as the periodic cell.
-
-    Parameters
-    ----------
-    pattern : its scales are bodies, its sheet is C1.
-    length, width : mm; the sheet is bent along its length.
-    direction : degree, of the sheet's length in the pattern's coordinates.
-    native : as for a cell.
-
-    Attributes
-    ----------
-    tiles : the pattern on the sheet.
-    area : mm2, of the sheet.
+def strips_of(laid: LaidPattern, length: float, width: float) -> list[tuple[IntArray, FloatArray]]:
+    """Scales at the near and at the far end, each with the middle of its end (2,), mm.
 
     Raises
     ------
-    PatternError, MeshError : the sheet cannot be cut from the pattern, or not be meshed.
-    ConfigError : see `require_finite_sheet`.
+    PatternError : an end at which no scale is, or a scale that reaches from end to end.
+    """
+    ends = [np.array([on_line(tile, x) for tile in laid.tiles]) for x in (0.0, length)]
+    for at_end, name in zip(ends, ("near", "far"), strict=True):
+        if not at_end.any():
+            raise PatternError(
+                f"No scale touches the {name} end of a sheet of {length:g} x {width:g} mm, which "
+                "would be held by nothing: change its length by a few mm, or the pattern's offset."
+            )
+    if (ends[0] & ends[1]).any() or (ends[0] | ends[1]).all():
+        raise PatternError(
+            f"A sheet of {length:g} x {width:g} mm has no scale between those that its ends hold: "
+            "make it longer, or the tiles smaller."
+        )
+    return [
+        (np.flatnonzero(at_end), np.array([x, 0.5 * width]))
+        for at_end, x in zip(ends, (0.0, length), strict=True)
+    ]
+
+
+class NativeSheet(JointSheet):
+    """A sheet of whole and cut scales between end strips; the same interface as the periodic cell.
+
+    Parameters
+    ----------
+    pattern : the scale pattern.
+    length, width : mm; the sheet is bent along its length.
+    direction : degree, of the sheet's length in the pattern's coordinates.
+    offset : (2,) mm, point of the pattern that lies in the middle of the sheet.
+    ends : "arc" or "turned".
+    native : contact and solver; of the model `joints`.
+
+    Raises
+    ------
+    PatternError : the sheet cannot be cut from the pattern, or joints cannot be computed.
     """
 
     def __init__(
@@ -107,10 +78,23 @@ class NativeSheet(FiniteSheet):
         length: float,
         width: float,
         direction: float = 0.0,
+        offset: Sequence[float] = (0.0, 0.0),
+        ends: str = "arc",
         native: NativeModel | None = None,
     ) -> None:
-        tiles = clip_pattern(pattern, length, width, direction)
-        super().__init__(pattern, tiles, EndStrips(tiles), native)
+        native = native or NativeModel()
+        laid = lay_pattern(pattern, rectangle(length, width), direction, offset)
+        strips = strips_of(laid, length, width)
+        scales: SheetScales = find_sheet_scales(laid, strips, native.contact.enabled)
+        self.length, self.width, self.ends = length, width, ends
+        free = np.ones(6 * scales.scales.n_scales + 3, dtype=bool)
+        free[:12] = False  # both strips
+        if ends == "turned":
+            free[[6, 8]] = True  # along the arc and normal to it
+            free[-3:] = False
+        else:
+            free[-2:] = False  # of S, the slide along the arc is left
+        super().__init__(scales, native, free, still=False)
 
 
 def bend_native_sheet(
@@ -134,18 +118,19 @@ def bend_native_sheet(
     ------
     BadInputError : as of `check_bends`.
     """
-    length = sheet.tiles.length
-    check_bends(length, curvatures, (side,))
+    check_bends(sheet.length, curvatures, (side,), sheet.ends)
     line = Line(side, 0.0, tuple(float(k) for k in curvatures))
     for sample in follow_line(sheet, line, solver or SolverOptions()):
         told: dict[str, Any] = dict(sample)
         if "stretch" in sample:
-            told["slide"] = float(sample["stretch"][0] - 1.0) * length
+            told["slide"] = float(sample["stretch"][0] - 1.0) * sheet.length
         yield told
 
 
-def check_bends(length: float, curvatures: Sequence[float], sides: Sequence[str]) -> None:
-    """Refuse bends of a sheet of a length [mm] that cannot be made, before anything is meshed.
+def check_bends(
+    length: float, curvatures: Sequence[float], sides: Sequence[str], ends: str = "arc"
+) -> None:
+    """Refuse bends of a sheet of a length [mm] that cannot be made, before anything is built.
 
     Raises
     ------
@@ -154,7 +139,7 @@ def check_bends(length: float, curvatures: Sequence[float], sides: Sequence[str]
     """
     SOME_SIDES(sides, "sides")
     require_bends(curvatures)
-    if curvatures[-1] * length >= 2.0 * np.pi:
+    if ends == "arc" and curvatures[-1] * length >= 2.0 * np.pi:
         raise BadInputError(
             f"At a curvature of {curvatures[-1]:.12g} mm-1 a sheet of {length:.12g} mm runs into "
             f"its own end: stay below {2.0 * np.pi / length:.4g} mm-1."

@@ -164,6 +164,7 @@ class JointProblem:
         values: FloatArray | None = None,
         direction: FloatArray | None = None,
         lift: int = 0,
+        split: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Energy parts, with derivatives added as `pair_kernels.assemble` says.
 
@@ -184,8 +185,15 @@ class JointProblem:
             lift, gradient, self.slots if needed else self.slots[:0],
             np.zeros(len(self.rows)) if values is None else values,
             np.zeros_like(gradient) if direction is None else direction, rate,
+            np.zeros((0, 2)) if split is None else split,
         )  # fmt: skip
         return np.array(parts[: len(self.part_names)]), rate
+
+    def split_energies(self, world: RigidWorld, bend: Bend | TensorBend) -> FloatArray:
+        """(n_pairs, 2) N mm, energies of each pair's joints and of its contact."""
+        split = np.zeros((len(self.embedding.scales.pairs), 2))
+        self.assemble(world, bend, np.zeros(self.embedding.n_unknowns + 1), split=split)
+        return split
 
 
 _NO_MEMORY = Memory(np.zeros((0, 3)), np.zeros(0), np.zeros(0))

@@ -206,7 +206,7 @@ class PrismContact(Barrier):
         )
         return np.array([self.stiffness * energy])
 
-    def _closer(self, y: FloatArray, reach: float) -> tuple[IntArray, FloatArray, float]:
+    def closer(self, y: FloatArray, reach: float) -> tuple[IntArray, FloatArray, float]:
         """Candidates closer than a reach, mm, weights of their arrows, and the least distance."""
         table = self.rows.table
         found = np.empty(len(table.stencils), dtype=np.int64)
@@ -216,7 +216,7 @@ class PrismContact(Barrier):
 
     def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
         """Add dE/dy [N] to `gradient (n_rows, 3)`."""
-        found, _, _ = self._closer(y, self.activation_distance)
+        found, _, _ = self.closer(y, self.activation_distance)
         _add_gradient(
             y, self.rows.table, found, self.activation_distance, self.stiffness, gradient
         )
@@ -236,7 +236,7 @@ class PrismContact(Barrier):
 
     def gaps(self, y: FloatArray, reach: float) -> LinearGaps:
         """Distances of candidates closer than `reach` [mm], linear around y."""
-        found, shares, _ = self._closer(y, reach)
+        found, shares, _ = self.closer(y, reach)
         n, stencils = len(found), self.rows.table.stencils[found]
         entries = (shares.ravel(), (np.repeat(np.arange(n), 4), stencils.ravel()))
         matrix = sp.csr_array(entries, shape=(n, len(y)))
@@ -247,15 +247,15 @@ class PrismContact(Barrier):
 
     def intersects(self, y: FloatArray) -> bool:
         """Whether things that can meet are in one another: at rest, neighbors stand apart."""
-        return self._closer(y, self.activation_distance)[2] <= 0.0
+        return self.closer(y, self.activation_distance)[2] <= 0.0
 
     def smallest_distance(self, y: FloatArray, reach: float) -> float:
         """Smallest distance between scales, mm; infinite beyond `reach`."""
-        return self._closer(y, reach)[2]
+        return self.closer(y, reach)[2]
 
     def active_pairs(self, y: FloatArray) -> int:
         """Number of candidates closer than d_hat."""
-        return len(self._closer(y, self.activation_distance)[0])
+        return len(self.closer(y, self.activation_distance)[0])
 
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the first scales' corners, as lengths of vectors, N."""

@@ -9,6 +9,7 @@ d / (1 + d / l), where l is `END_LENGTH` of the gap: by almost all of a short wa
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -59,52 +60,112 @@ def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]
     PatternError : no walls face one another at all. Two scales of which this is so have no joint.
     """
     tiles = pattern.tiles
-    partner, offset = _partners(pattern)
-    facing = [_facing(tile, pattern.gap) for tile in tiles]
-    start = np.concatenate([[0], np.cumsum([len(tile) for tile in tiles])])
-    owner = np.repeat(np.arange(len(tiles)), np.diff(start))
-    found: dict[tuple[int, int, tuple[int, int]], list[tuple[FloatArray, ...]]] = {}
-    for a, tile in enumerate(tiles):
-        edges = np.arange(start[a], start[a + 1])
-        keys = [(int(owner[partner[e]]), *offset[e].tolist()) for e in edges]
-        for run in _runs(keys):
-            b, m, n = keys[run[0]]
-            if (b, m, n) < (a, 0, 0) or (b == a and (m, n) < (0, 0)):
-                continue  # met from the other side
-            here = [facing[a][k] for k in run]
-            there = [facing[b][partner[edges[k]] - start[b]] for k in run]
-            corners = np.array([[tile[k], tile[(k + 1) % len(tile)]] for k in run])
-            part = _stations(corners, here, there, pattern.gap, end_length)
-            if part is not None:
-                found.setdefault((a, b, (m, n)), []).append(part)
-    joints = []
-    for (a, b, shift), parts in found.items():
-        points, normals, weights = (np.concatenate(items) for items in zip(*parts, strict=True))
-        joints.append(Joint(a, b, shift, points, normals, weights))
-    if not joints:
-        raise PatternError(
-            f"No two scales face one another across the gap of {pattern.gap:g} mm: narrow it."
-        )
-    return joints
-
-
-def _partners(pattern: Pattern) -> tuple[IntArray, IntArray]:
-    """For each edge of each tile the number of the same edge of the other tile, and the lattice
-    offset (n, 2) of that tile."""
-    starts = np.concatenate(pattern.tiles)
-    ends = np.concatenate([np.roll(tile, -1, axis=0) for tile in pattern.tiles])
-    places = 0.5 * (starts + ends) @ np.linalg.inv(pattern.lattice)
-    wrapped = places % 1.0
-    wrapped[wrapped >= 1.0] = 0.0
-    pairs = cKDTree(wrapped, boxsize=1.0).query_pairs(_SAME, output_type="ndarray")
-    partner = np.full(len(places), -1, dtype=np.int64)
-    partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
+    partner, offset = _partners(tiles, pattern.lattice)
     if (partner < 0).any():
         raise PatternError(
             "Two tiles do not have an edge between them in common to 1e-6 of the cell: give "
             "corners to more digits."
         )
+    return _join(tiles, partner, offset, np.arange(len(tiles)), pattern.gap, end_length)
+
+
+def joints_between(
+    tiles: Sequence[FloatArray], gap: float, bodies: IntArray, end_length: float = END_LENGTH
+) -> list[Joint]:
+    """All joints of a sheet; `first` and `second` of a joint are bodies.
+
+    Edges that no two tiles share, as those on the border, are free.
+
+    Parameters
+    ----------
+    tiles : polygons (n_i, 2) with scales, mm.
+    gap : mm.
+    bodies : (n_tiles,) number of the rigid body that each tile's scale is part of.
+    """
+    return _join(tiles, *_partners(tiles, None), bodies, gap, end_length)
+
+
+def _join(
+    tiles: Sequence[FloatArray],
+    partner: IntArray,
+    offset: IntArray,
+    bodies: IntArray,
+    gap: float,
+    end_length: float,
+) -> list[Joint]:
+    facing = _All(gap)
+    start = np.concatenate([[0], np.cumsum([len(tile) for tile in tiles])])
+    owner = np.repeat(np.arange(len(tiles)), np.diff(start))
+    others = np.where(partner < 0, -1, owner[partner])
+    found: dict[tuple[int, int, int, int], list[tuple[FloatArray, ...]]] = {}
+    for tile_a, tile in enumerate(tiles):
+        a, edges = int(bodies[tile_a]), slice(start[tile_a], start[tile_a + 1])
+        keys = [
+            (other, *shift)
+            for other, shift in zip(others[edges].tolist(), offset[edges].tolist(), strict=True)
+        ]
+        for run in _runs(keys):
+            tile_b, m, n = keys[run[0]]
+            if tile_b < 0:
+                continue
+            b = int(bodies[tile_b])
+            if (b, m, n) < (a, 0, 0) or (b == a and (m, n) <= (0, 0)):
+                continue  # met from the other side, or within one body
+            mine = facing.of(tile)
+            its = facing.of(tiles[tile_b])
+            here = [mine[k] for k in run]
+            there = [its[partner[start[tile_a] + k] - start[tile_b]] for k in run]
+            corners = np.array([[tile[k], tile[(k + 1) % len(tile)]] for k in run])
+            part = _stations(corners, here, there, gap, end_length)
+            if part is not None:
+                found.setdefault((a, b, m, n), []).append(part)
+    joints = []
+    for (a, b, m, n), parts in found.items():
+        points, normals, weights = (np.concatenate(items) for items in zip(*parts, strict=True))
+        joints.append(Joint(a, b, (m, n), points, normals, weights))
+    if not joints and len(tiles) > 1:
+        raise PatternError(
+            f"No two scales face one another across the gap of {gap:g} mm: narrow it."
+        )
+    return joints
+
+
+def _partners(
+    tiles: Sequence[FloatArray], lattice: FloatArray | None
+) -> tuple[IntArray, IntArray]:
+    """For each edge of each tile the number of the same edge of the other tile, -1 for none, and
+    the lattice offset (n, 2) of that tile."""
+    starts = np.concatenate(tiles)
+    ends = np.concatenate([np.roll(tile, -1, axis=0) for tile in tiles])
+    places = 0.5 * (starts + ends)
+    if lattice is None:
+        size = max(float(np.ptp(tile, axis=0).max()) for tile in tiles)
+        pairs = cKDTree(places).query_pairs(_SAME * size, output_type="ndarray")
+    else:
+        places = places @ np.linalg.inv(lattice)
+        wrapped = places % 1.0
+        wrapped[wrapped >= 1.0] = 0.0
+        pairs = cKDTree(wrapped, boxsize=1.0).query_pairs(_SAME, output_type="ndarray")
+    partner = np.full(len(places), -1, dtype=np.int64)
+    partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
+    if lattice is None:
+        return partner, np.zeros((len(places), 2), dtype=np.int64)
     return partner, np.rint(places - places[partner]).astype(np.int64)
+
+
+class _All:
+    """Parts of edges along which scales have walls; most tiles of a sheet are moved copies."""
+
+    def __init__(self, gap: float) -> None:
+        self.gap = gap
+        self._known: dict[bytes, FloatArray] = {}
+
+    def of(self, tile: FloatArray) -> FloatArray:
+        """See `_facing`."""
+        key = np.round(tile - tile[0], 9).tobytes()
+        if key not in self._known:
+            self._known[key] = _facing(tile, self.gap)
+        return self._known[key]
 
 
 def _facing(tile: FloatArray, gap: float) -> FloatArray:

@@ -588,33 +588,23 @@ def add_springs(
     slopes: FloatArray,
     of_pair: IntArray,
     pairs: Pairs,
-    stiffness: float,
-    short: FloatArray,
+    stiffness: FloatArray,
+    force: FloatArray,
     slots: IntArray,
     values: FloatArray,
-    pull: FloatArray,
+    gradient: FloatArray,
 ) -> None:
-    """Add springs in gaps to the Hessian's values, and to pull (n_unknowns + 1,) their forces.
+    """Add springs in gaps to the Hessian's values, and their forces to the gradient.
 
-    slopes : (n, 16) of `gap_slopes`; of_pair : (n,); stiffness : N/mm; short : (n,) mm.
+    slopes : (n, 16) of `gap_slopes`; of_pair : (n,); stiffness : (n,) N/mm; force : (n,) N, that
+    pushes a gap open; gradient : (n_unknowns + 1,).
     """
-    block, unused = np.zeros((_N, _N)), np.zeros(len(pull))
+    block, unused = np.zeros((_N, _N)), np.zeros(len(gradient))
+    last = OF_S + pairs.n_motion
     for m in range(len(slopes)):
         k = of_pair[m]
-        for i in range(OF_S + pairs.n_motion):
-            pull[unknown_of(pairs, k, i)] += stiffness * short[m] * slopes[m, i]
-            for j in range(i, _N):
-                block[i, j] = stiffness * slopes[m, i] * slopes[m, j]
-        _scatter(block, pairs, k, OF_S + pairs.n_motion, slots[k], values, unused, unused)
-
-
-@njit(cache=True, error_model="numpy")
-def gap_rates(
-    slopes: FloatArray, of_pair: IntArray, pairs: Pairs, change: FloatArray
-) -> FloatArray:
-    """(n,) change of distances for one of the unknowns (n_unknowns + 1,); see `gap_slopes`."""
-    out = np.zeros(len(slopes))
-    for m in range(len(slopes)):
-        for i in range(OF_S + pairs.n_motion):
-            out[m] += slopes[m, i] * change[unknown_of(pairs, of_pair[m], i)]
-    return out
+        for i in range(last):
+            gradient[unknown_of(pairs, k, i)] -= force[m] * slopes[m, i]
+            for j in range(i, last):
+                block[i, j] = stiffness[m] * slopes[m, i] * slopes[m, j]
+        _scatter(block, pairs, k, last, slots[k], values, unused, unused)

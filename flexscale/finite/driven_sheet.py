@@ -94,6 +94,22 @@ class DrivenSheet(JointSheet):
         out[self.driven] = self.sign * load
         return out
 
+    def free_part(self, gradient: FloatArray) -> FloatArray:
+        """The gradient by all unknowns but the machine's."""
+        gradient[self.driven] = 0.0
+        return gradient
+
+    def factorize(self, values: FloatArray) -> int:
+        """With the machine's unknown held."""
+        self.hold(values)
+        return self.system.factorize(values)
+
+    def hold(self, values: FloatArray) -> None:
+        """Make the machine's unknown a matter of its own in the Hessian's values."""
+        values[self.coupled] = 0.0
+        diagonal = self.system.diagonal
+        values[diagonal[self.pinned]] = float(np.abs(values[diagonal]).mean())
+
     def force(self, state: JointState) -> float:
         """F = dE/dp, N."""
         return self.sign * float(state.forces[self.driven])
@@ -117,10 +133,7 @@ class Driven(BentJoints):
     def hessian_values(self, state: JointState, project: str = NOTHING) -> FloatArray:
         """(nnz,) upper triangle; the machine's unknown stays where it is."""
         values = super().hessian_values(state, project)
-        problem = self.problem
-        diagonal = problem.system.diagonal
-        values[problem.coupled] = 0.0
-        values[diagonal[problem.pinned]] = float(np.abs(values[diagonal]).mean())
+        self.problem.hold(values)
         return values
 
     def rate(self, state: JointState) -> FloatArray:

@@ -11,7 +11,6 @@ from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
 from flexscale.embedding.pair_kernels import KEEP, LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
-from flexscale.homogenize.keep_apart import TooManyGaps, keep_apart
 from flexscale.homogenize.keep_many_apart import keep_many_apart
 from flexscale.mechanics.energy import ALL, NOTHING
 from flexscale.solve.constraint import ConstrainedSystem
@@ -98,10 +97,7 @@ class BentJoints:
 
     def keep_apart(self, state: JointState, wanted: FloatArray) -> FloatArray | None:
         """A state near a wanted one to which no scales meet on the way from `state`."""
-        try:
-            return keep_apart(self.problem, state.world.y, wanted, self.bend)
-        except TooManyGaps:
-            return keep_many_apart(self.problem, state.world.y, wanted, self.bend)
+        return keep_many_apart(self.problem, state.world.y, wanted, self.bend)
 
     def moment(self, state: JointState) -> float:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""

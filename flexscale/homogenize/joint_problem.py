@@ -189,6 +189,33 @@ class JointProblem:
         )  # fmt: skip
         return np.array(parts[: len(self.part_names)]), rate
 
+    def joint_energy(
+        self,
+        world: RigidWorld,
+        bend: Bend | TensorBend,
+        gradient: FloatArray,
+        values: FloatArray | None = None,
+        lift: int = 0,
+    ) -> float:
+        """N mm, of the joints alone, with derivatives added."""
+        unused = np.zeros_like(gradient)
+        return float(
+            assemble(
+                world.bending, self.embedding.pairs(bend), self.stations, self._law, world.y,
+                self.embedding.scales.rows.table, _NO_MEMORY, 1.0, 1.0, 0.0, lift, gradient,
+                self.slots[:0] if values is None else self.slots,
+                np.zeros(0) if values is None else values, unused, unused, np.zeros((0, 2)),
+            )[0]
+        )  # fmt: skip
+
+    def free_part(self, gradient: FloatArray) -> FloatArray:
+        """The gradient by unknowns that nothing else moves: all of them."""
+        return gradient
+
+    def factorize(self, values: FloatArray) -> int:
+        """As its system does, with what is held but among the unknowns left out."""
+        return self.system.factorize(values)
+
     def split_energies(self, world: RigidWorld, bend: Bend | TensorBend) -> FloatArray:
         """(n_pairs, 2) N mm, energies of each pair's joints and of its contact."""
         split = np.zeros((len(self.embedding.scales.pairs), 2))

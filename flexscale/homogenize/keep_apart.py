@@ -25,12 +25,7 @@ _ROUNDS = 8  # in which pairs of scales that still overlap join
 _PASSES = 6  # in which gaps are measured anew where scales met on the way
 _BALANCES = 3  # of goals with the forces found
 _SHARE = 0.5  # of the distance at which the barrier acts, first held
-_MOST = 400  # gaps held at a time, whose compliance is a full matrix
 _MET = 4.0  # d_hat, closer than which they are measured there
-
-
-class TooManyGaps(Exception):
-    """More gaps close at a time than a full matrix between them is good for."""
 
 
 def keep_apart(
@@ -47,10 +42,6 @@ def keep_apart(
     Returns
     -------
     (n_unknowns,), or None where none was found, as where the Hessian is not positive.
-
-    Raises
-    ------
-    TooManyGaps : see there.
     """
     if problem.contact is None:
         return None
@@ -95,8 +86,6 @@ class _Search:
                 tight = self._tight()
                 if not len(tight):
                     break
-                if len(self.held) + len(tight) > _MOST:
-                    raise TooManyGaps
                 self._hold(tight)
             for _ in range(_BALANCES if len(self.held) else 0):
                 self._balance()

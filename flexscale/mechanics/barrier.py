@@ -23,6 +23,28 @@ def barrier_stiffness(force: float, activation_distance: float) -> float:
     return force / (-slope * activation_distance**3)
 
 
+def soft_barrier(
+    distance: FloatArray, activation_distance: float, soft: float, stiffness: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Energy [N mm], its slope [N] and curvature [N/mm] of gaps below d_hat, which may be negative.
+
+    Below the distance `soft`, mm, it is the parabola that touches the barrier there.
+    """
+    d_hat = activation_distance
+    held = np.maximum(distance, soft)
+    s = (held / d_hat) ** 2
+    ln = np.log(s)
+    energy = -((s - 1.0) ** 2) * ln
+    by_s = -2.0 * (s - 1.0) * ln - (s - 1.0) ** 2 / s
+    twice = -2.0 * ln - 4.0 * (s - 1.0) / s + ((s - 1.0) / s) ** 2
+    scale = stiffness * d_hat**4
+    slope = scale * by_s * 2.0 * held / d_hat**2
+    bend = scale * (2.0 * by_s / d_hat**2 + twice * (2.0 * held / d_hat**2) ** 2)
+    beyond = distance - held
+    total = scale * energy + slope * beyond + 0.5 * bend * beyond**2
+    return total, slope + bend * beyond, bend
+
+
 class Barrier:
     """A barrier that starts at a distance d_hat.
 

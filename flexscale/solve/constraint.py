@@ -59,7 +59,6 @@ class ConstrainedSystem:
         values = values.copy()
         scale = float(np.abs(values[self.diagonal]).mean())
         values[self.diagonal] += damping * scale
-        self.values = values.copy()
         self._sigma = abs(float(values[self.diagonal[self.shift_unknown]]))
         if self._sigma <= _NOTHING * scale:  # a cell of one scale shifts as a whole
             self._sigma = scale

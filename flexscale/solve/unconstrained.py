@@ -33,7 +33,6 @@ class UnconstrainedSystem:
         if damping > 0.0:
             values = values.copy()
             values[self.diagonal] += damping * float(np.abs(values[self.diagonal]).mean())
-        self.values = values
         negative = self.factorization.factorize(values)
         return 1 if negative < 0 else negative
 

@@ -223,12 +223,14 @@ def joint_energy(
     stations: Stations,
     k: int,
     law: LawTable,
+    order: int,
     gradient: FloatArray,
     hessian: FloatArray,
 ) -> float:
     """Energy of the joints of pair k, N mm, with its derivatives by the relative pose.
 
-    relative : (6,) arrow and turn of `middle_pose`. gradient (6,) and hessian (6, 6) are filled.
+    relative : (6,) arrow and turn of `middle_pose`. gradient (6,) and, with order 2, hessian (6, 6)
+    are filled.
     """
     gradient[:] = 0.0
     hessian[:] = 0.0
@@ -239,10 +241,14 @@ def joint_energy(
         weight = stations.weights[s]
         half = station_opening(relative, stations.points[s], stations.normals[s], q, rows)
         root = 1.0 / np.sqrt(1.0 - half * half)
-        energy += weight * law_at(law, q, slope, bend)
+        energy += weight * law_at(law, q, slope, bend, order)
         for i in range(6):
             for a in range(4):
                 gradient[i] += weight * slope[a] * rows[a, i]
+        if order < 2:
+            continue
+        for i in range(6):
+            for a in range(4):
                 carried[a, i] = 0.0
                 for b in range(4):
                     carried[a, i] += weight * bend[a, b] * rows[b, i]
@@ -408,7 +414,7 @@ def assemble(
             middle_pose(
                 pose, turn, stations.arms[k, 0], stations.arms[k, 1], middle, relative, order
             )
-            energy = joint_energy(relative[:, 0].copy(), stations, k, law, slope, bend)
+            energy = joint_energy(relative[:, 0].copy(), stations, k, law, order, slope, bend)
             _add_joint(relative, slope, bend, order, total, hessian)
         joints += energy
         contact += touching

@@ -49,6 +49,7 @@ def law_at(
     q: FloatArray,
     gradient_out: FloatArray,
     hessian_out: FloatArray,
+    order: int,
 ) -> float:
     """Energy per length [N] of one pose q = (u, w, s) in mm and phi in radian.
 
@@ -56,7 +57,7 @@ def law_at(
     ----------
     q : (4,)
     gradient_out : (4,) filled with dW/dq, N/mm and N.
-    hessian_out : (4, 4) filled with d2W/dq2.
+    hessian_out : (4, 4) filled with d2W/dq2, if order is 2.
     """
     thickness, bounds = law.thickness, law.bounds
     powers = np.empty((4, MOST_POWER + 1, 3))
@@ -73,7 +74,7 @@ def law_at(
             r = reach * np.tanh((x - edge) / reach)
             slope = 1.0 - (r / reach) ** 2
             _fill_powers(powers[i], edge, r, slope, -2.0 * slope * r / reach**2)
-    energy = _sum_terms(law.exponents, law.coefficients, powers, gradient_out, hessian_out)
+    energy = _sum_terms(law.exponents, law.coefficients, powers, gradient_out, hessian_out, order)
     if outside:
         energy += _add_walls(law, q, gradient_out, hessian_out)
     for i in range(4):
@@ -103,7 +104,7 @@ def _fill_powers(out: FloatArray, x: float, r: float, slope: float, bend: float)
 
 
 @njit(cache=True)
-def _sum_terms(exponents, coefficients, powers, gradient, hessian):
+def _sum_terms(exponents, coefficients, powers, gradient, hessian, order):
     """Sum in x over terms; those of equal powers of w and s are summed over u and phi first."""
     gradient[:] = 0.0
     hessian[:] = 0.0
@@ -120,9 +121,10 @@ def _sum_terms(exponents, coefficients, powers, gradient, hessian):
             f += u0 * p0
             fu += u1 * p0
             fp += u0 * p1
-            fuu += u2 * p0
-            fup += u1 * p1
-            fpp += u0 * p2
+            if order > 1:
+                fuu += u2 * p0
+                fup += u1 * p1
+                fpp += u0 * p2
             k += 1
         w0, w1, w2 = powers[1, ew, 0], powers[1, ew, 1], powers[1, ew, 2]
         s0, s1, s2 = powers[2, es, 0], powers[2, es, 1], powers[2, es, 2]
@@ -132,6 +134,8 @@ def _sum_terms(exponents, coefficients, powers, gradient, hessian):
         gradient[1] += f * w1 * s0
         gradient[2] += f * w0 * s1
         gradient[3] += fp * ws
+        if order < 2:
+            continue
         hessian[0, 0] += fuu * ws
         hessian[0, 1] += fu * w1 * s0
         hessian[0, 2] += fu * w0 * s1
@@ -174,7 +178,7 @@ def _add_walls(law, q, gradient, hessian):
 @njit(cache=True)
 def _laws_at(law, poses, energies, gradients, hessians):
     for k in range(len(poses)):
-        energies[k] = law_at(law, poses[k], gradients[k], hessians[k])
+        energies[k] = law_at(law, poses[k], gradients[k], hessians[k], 2)
 
 
 @dataclass(frozen=True, repr=False)

@@ -23,7 +23,8 @@ from flexscale.patterns.pattern import Pattern
 
 #: Of the gap, by which a joint goes on at most beyond where walls face one another.
 END_LENGTH = 1.4
-_MOST, _FEWEST = 6, 2  # stations on a straight piece: exact for polynomials of degree 11 and 3
+# Stations on a straight piece: exact for polynomials of degree 9 and 3; laws have degree 8.
+_MOST, _FEWEST = 5, 2
 _SAME = 1e-6  # of the cell, between midpoints of one edge as an edge of two tiles
 
 

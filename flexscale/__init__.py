@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
     from flexscale.finite.native_sheet_dataset import simulate_native_sheet
-    from flexscale.finite.native_stage_dataset import simulate_native_stage
+    from flexscale.finite.native_rigs import simulate_native_mandrel, simulate_native_stage
     from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
@@ -78,6 +78,7 @@ __all__ = [
     "open_registry",
     "plot",
     "simulate_mandrel",
+    "simulate_native_mandrel",
     "simulate_native_sheet",
     "simulate_native_stage",
     "simulate_sheet",
@@ -120,7 +121,8 @@ PUBLIC_HOMES = {
     "open_registry": "flexscale.datasets.registry",
     "simulate_mandrel": "flexscale.sheets.mandrel",
     "simulate_native_sheet": "flexscale.finite.native_sheet_dataset",
-    "simulate_native_stage": "flexscale.finite.native_stage_dataset",
+    "simulate_native_mandrel": "flexscale.finite.native_rigs",
+    "simulate_native_stage": "flexscale.finite.native_rigs",
     "simulate_sheet": "flexscale.sheets.simulate",
     "simulate_stage": "flexscale.sheets.stage",
     "sweep": "flexscale.homogenize.sweep",

@@ -249,6 +249,21 @@ def having(*names: str, remedy: str) -> Check:
     return check
 
 
+def place(given: Any, name: str) -> tuple[float, float]:
+    """A check of a point in the plane, mm.
+
+    Raises
+    ------
+    BadInputError : not two finite numbers.
+    """
+    values = series("mm", name)(given, name)
+    if len(values) != 2:
+        raise BadInputError(
+            f"{name} needs two lengths in mm, along x and y, not {len(values)}."
+        )
+    return values[0], values[1]
+
+
 PATTERN = instance(
     "flexscale.patterns.pattern:Pattern", "make one with fs.Pattern, or take fs.named_pattern"
 )

@@ -10,7 +10,8 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexscale.datasets.build import build_dataset
-from flexscale.datasets.sheet_variables import COUNTS, Measured, number
+from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
+from flexscale.datasets.sheet_variables import COUNTS, Measured, check_sizes, number
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 
 
@@ -68,6 +69,46 @@ DEVICE_VARIABLES = {
 }
 
 
+def check_devices(dataset: xr.Dataset, what: str, variables: Mapping[str, Measured]) -> None:
+    """One device or both, each complete, with numbers exactly where it converged.
+
+    Parameters
+    ----------
+    variables : of each device.
+    """
+    check_sides(dataset, what)
+    present = [device for device in variables if f"{device}_status" in dataset]
+    if not present:
+        raise SchemaError(f"A {what} dataset holds neither a mandrel nor a stage.")
+    for device, declared in variables.items():
+        own = (*DEVICE_COORDINATES[device], *declared)
+        _check_complete(dataset, what, own, device, device in present)
+    if "mandrel" in present:
+        angles = dataset["angle"].values
+        check_axis(angles, "angle", "degree")
+        if angles[0] < 0.0 or angles[-1] >= 360.0:
+            raise SchemaError("Angles of the mandrel must lie in [0, 360) degree.")
+        check_sizes(dataset, ("mandrel_radius", "mandrel_hub", "mandrel_indentation"))
+    if "stage" in present:
+        check_axis(dataset["shortening"].values, "shortening", "mm")
+        check_sizes(dataset, ("stage_length", "stage_width"))
+    for device in present:
+        status = dataset[f"{device}_status"]
+        check_status(status, what)
+        for item in variables[device]:
+            if item.dtype == "float64":
+                check_numbers(dataset[item.name], status)
+
+
+def _check_complete(
+    dataset: xr.Dataset, what: str, own: Measured, device: str, present: bool
+) -> None:
+    wrong = [item.name for item in own if (item.name in dataset.variables) != present]
+    if wrong:
+        word = "lacks" if present else "has no status of its"
+        raise SchemaError(f"The {what} dataset {word} {device}: {', '.join(wrong)}.")
+
+
 def build_rig_dataset(
     schema: Schema,
     sides: Sequence[str],
@@ -75,7 +116,6 @@ def build_rig_dataset(
     *,
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
-    numbers: Mapping[str, int] | None = None,
 ) -> xr.Dataset:
     """Dataset of kind rig, or native_rig.
 
@@ -85,11 +125,10 @@ def build_rig_dataset(
     sides : of "closing", "opening".
     devices : of "mandrel" and "stage" one or both; each with its axis ("angle" in degree, or
         "shortening" in mm, increasing), and its sizes and variables by the names of the schema
-        without the device's. Variables are (n_sides, n_axis).
-    numbers : of no device, by the names of the schema.
+        without the device's. Variables are (n_sides, n_axis), or of the whole device.
     scalars, config : as in `build_sweep_dataset`.
     """
-    values: dict[str, Any] = {"side": list(sides), **(numbers or {})}
+    values: dict[str, Any] = {"side": list(sides)}
     for device, arrays in devices.items():
         for name, value in arrays.items():
             own = name in ("angle", "shortening")

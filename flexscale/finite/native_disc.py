@@ -8,6 +8,7 @@ pushes, on the scale there or the nearest to it, and nothing else.
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from flexscale.arrays import FloatArray
 from flexscale.errors import BadInputError, PatternError
@@ -21,18 +22,19 @@ from flexscale.units import require_positive
 _SIDE = 2.0  # mm, of the polygon that stands for the disc's rim
 
 
-def symmetry_center(pattern: Pattern) -> FloatArray:
-    """(2,) mm, a center of rotations of the highest order that a pattern has; else the centroid of
-    its first scale's corners."""
-    found = [
-        (operation.angle % 360.0, operation)
+def symmetry_center(pattern: Pattern) -> tuple[FloatArray, int]:
+    """(2,) mm, a center of rotations of the highest order that a pattern has, and that order; of a
+    pattern without any, the mean of its first scale's corners, and 1."""
+    turns = [
+        operation
         for operation in pattern.symmetry().operations
         if operation.kind == "rotation" and operation.angle % 360.0 > 0.0
     ]
-    if not found:
-        return np.asarray(pattern.outlines()[0].mean(axis=0))
-    _, least = min(found, key=lambda item: min(item[0], 360.0 - item[0]))
-    return np.linalg.solve(np.eye(2) - least.linear, least.translation)
+    if not turns:
+        return np.asarray(pattern.outlines()[0].mean(axis=0)), 1
+    least = min(turns, key=lambda turn: min(turn.angle % 360.0, -turn.angle % 360.0))
+    order = round(360.0 / min(least.angle % 360.0, -least.angle % 360.0))
+    return np.linalg.solve(np.eye(2) - least.linear, least.translation), order
 
 
 class NativeDisc(DrivenSheet):
@@ -44,6 +46,10 @@ class NativeDisc(DrivenSheet):
     radius, hub : mm.
     native : contact and solver; of the model `joints`.
 
+    Attributes
+    ----------
+    rotation_order : 1, 2, 3, 4 or 6, of the pattern about the disc's middle.
+
     Raises
     ------
     PatternError : the disc has no scale at its hub or none beyond it, or joints cannot be computed.
@@ -54,8 +60,6 @@ class NativeDisc(DrivenSheet):
     def __init__(
         self, pattern: Pattern, radius: float, hub: float, native: NativeModel | None = None
     ) -> None:
-        import shapely
-
         radius = require_positive(radius, "disc radius", "mm")
         hub = require_positive(hub, "hub radius", "mm")
         if hub >= radius:
@@ -64,7 +68,8 @@ class NativeDisc(DrivenSheet):
                 "smaller."
             )
         native = native or NativeModel()
-        laid = lay_pattern(pattern, disc(radius, _SIDE), 0.0, symmetry_center(pattern))
+        center, self.rotation_order = symmetry_center(pattern)
+        laid = lay_pattern(pattern, disc(radius, _SIDE), 0.0, center)
         middle = shapely.Point(0.0, 0.0)
         near = np.array([shapely.Polygon(o).distance(middle) < hub for o in laid.outlines])
         if not near.any() or near.all():
@@ -88,8 +93,6 @@ class NativeDisc(DrivenSheet):
 
         The scale that is pushed has its anchor there, so that the probe holds one unknown.
         """
-        import shapely
-
         if self._probed is not None:
             self._anchor(*self._probed)
         turn = np.radians(angle)

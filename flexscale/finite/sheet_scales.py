@@ -9,17 +9,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import psutil
 import shapely
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.rigid_cell import RigidScales, contact_reach, moments
-from flexscale.errors import PatternError
+from flexscale.errors import BadInputError, PatternError
 from flexscale.mechanics.prism_contact import find_prism_rows
 from flexscale.patterns.joint_lines import Joint, joints_between
 from flexscale.patterns.laid import LaidPattern
+from flexscale.patterns.pattern import Pattern
 
-#: bytes for each scale of a sheet, with its unknowns, tables of pairs and factors: as measured.
-BYTES_A_SCALE = 60_000
+#: Bytes for each scale of a sheet, with unknowns, tables of pairs and factors: as measured, with
+#: as much again in reserve. Curved outlines take more of them than straight ones.
+BYTES_A_SCALE = 150_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +51,23 @@ class SheetScales:
         a, b = self.scales.pairs[: len(self.joints)].T
         graph = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))
         return int(connected_components(graph, directed=False)[0]) == 1
+
+
+def require_moderate_scales(pattern: Pattern, area: float) -> None:
+    """Refuse a sheet of an area, mm2, whose scales would not fit into memory.
+
+    Raises
+    ------
+    BadInputError : with the number of scales and the memory expected.
+    """
+    n_scales = area / pattern.tile_area
+    needed, available = n_scales * BYTES_A_SCALE, psutil.virtual_memory().available
+    if needed > available:
+        raise BadInputError(
+            f"A sheet of {area:.4g} mm2 has about {n_scales:.3g} scales and would take about "
+            f"{needed / 1e9:.3g} GB of memory, of which {available / 1e9:.3g} GB are free: make it "
+            "smaller, or the tiles larger."
+        )
 
 
 def find_sheet_scales(

@@ -148,25 +148,15 @@ def native_model(value: Any, label: str = "model") -> NativeModel:
     )
 
 
-def require_finite_sheet(model: NativeModel) -> None:
-    """Refuse what a finite sheet does not compute, before anything is meshed.
+def require_joints(model: NativeModel) -> None:
+    """Refuse native models that whole sheets do not have, before anything is built.
 
     Raises
     ------
-    ConfigError : a model, scales or a substrate that only a periodic cell has.
+    ConfigError : a model other than that of joints.
     """
-    if model.name != "shell":
+    if model.name != "joints":
         raise ConfigError(
-            f"Native sheets and stages are of the native model 'shell', not {model.name!r}: say "
-            'native: shell (model="shell" in Python).'
-        )
-    if model.scales.model != "modes":
-        raise ConfigError(
-            f"A native sheet or stage has scales of few modes, not {model.scales.model!r}: leave "
-            "the model of the scales at 'modes'."
-        )
-    if model.substrate.element != "c1":
-        raise ConfigError(
-            f"A native sheet or stage has a substrate of smooth triangles, not "
-            f"{model.substrate.element!r}: leave the element of the substrate at 'c1'."
+            f"Native sheets, stages and discs are of scales on joints, not of the native model "
+            f"{model.name!r}: say native: joints (model=\"joints\" in Python)."
         )

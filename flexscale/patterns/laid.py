@@ -62,8 +62,9 @@ def rectangle(length: float, width: float) -> FloatArray:
 
 
 def disc(radius: float, side: float) -> FloatArray:
-    """(n, 2) outline of a disc around the origin, of sides of about a length, mm."""
-    n = max(12, 4 * int(np.ceil(0.5 * np.pi * radius / side)))
+    """(n, 2) outline of a disc around the origin, of sides of about a length, mm; it has all
+    symmetries that patterns have."""
+    n = 12 * max(1, int(np.ceil(2.0 * np.pi * radius / side / 12.0)))
     angles = 2.0 * np.pi * np.arange(n) / n
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 

@@ -15,13 +15,14 @@ from flexscale.datasets.variables import Schema
 
 NATIVE_SHEET = Schema(
     "native_sheet",
-    1,
+    2,
     "Rectangular sheet of whole and cut scales, bent between two end strips",
     coordinates=strips(("curvature",), ()),
     variables=(
         *response(BENT),
         number("min_gap", BENT, "mm", "smallest distance between scales"),
         count("contact_pairs", BENT, "active contact pairs"),
+        count("outside_range", BENT, "stations of joints beyond the range of their law"),
         *SIZES,
     ),
     check=check_sheet_samples,

@@ -1,16 +1,19 @@
-"""Step `native_rig`: a strip of whole and cut scales on the stage."""
+"""Step `native_rig`: scales on the testing devices."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Self
 
-from flexscale.homogenize.native_model import NativeModel, require_finite_sheet
-from flexscale.mesh.estimate import require_moderate_sheet
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
+from flexscale.homogenize.native_model import NativeModel, require_joints
 from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SIDES
-from flexscale.steps.blocks import Sides
-from flexscale.steps.kinds.rig import StageBlock
+from flexscale.steps.blocks import Directions, Sides
+from flexscale.steps.kinds.rig import MandrelBlock, StageBlock
+from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import BENT, Figure, Resources, Step, StepBlock, Task
 
@@ -19,52 +22,82 @@ if TYPE_CHECKING:
 
     from flexscale.steps.experiment import Experiment
 
+_ANGLES = tuple(5.0 * k for k in range(72))
 
-class NativeRigBlock(StageBlock, StepBlock):
+
+class NativeMandrelBlock(MandrelBlock):
+    """A disc of scales clamped at its hub and pushed around its rim."""
+
+    angles: Directions = declared(
+        _ANGLES, "where it is pushed, increasing, from 0 to below 360", min_length=1
+    )
+
+
+class NativeStageBlock(StageBlock):
     """A strip of scales between two hinges that come closer."""
 
-    _place: ClassVar[str] = "native_rig"
+    _place = "native_rig.stage"
+
+
+class NativeRigBlock(StepBlock):
+    """Scales on the testing devices, one or both."""
 
     sides: Sides = declared(SIDES, "sides to bend to: closing, opening", min_length=1)
+    mandrel: NativeMandrelBlock | None = declared(None, "disc on the mandrel; {} for defaults")
+    stage: NativeStageBlock | None = declared(None, "strip on the stage; {} for defaults")
+
+    @model_validator(mode="after")
+    def _some_device(self) -> Self:
+        if self.mandrel is None and self.stage is None:
+            raise PydanticCustomError("empty", "`native_rig` needs `mandrel`, `stage`, or both", {})
+        if self.mandrel is not None and self.mandrel.hub >= self.mandrel.radius:
+            raise PydanticCustomError("range", "the hub is smaller than the disc", {})
+        return self
 
     def n_samples(self, pattern: Pattern) -> int:
-        """One for each side and shortening."""
-        return len(self.sides) * len(self.shortenings)
+        """One for each side and angle, or shortening."""
+        angles = len(self.mandrel.angles) if self.mandrel else 0
+        shortenings = len(self.stage.shortenings) if self.stage else 0
+        return len(self.sides) * (angles + shortenings)
 
     def refuse_in(self, experiment: Experiment) -> None:
-        """Options that only a periodic cell has."""
-        require_finite_sheet(experiment.model)
+        """Native models that have no whole sheets."""
+        require_joints(experiment.model)
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
-        """A mesh that is too large."""
-        require_moderate_sheet(pattern, native.mesh, self.length, self.width)
+        """More scales than memory holds."""
+        from flexscale.finite.sheet_scales import require_moderate_scales
+
+        if self.stage is not None:
+            require_moderate_scales(pattern, self.stage.length * self.stage.width)
+        if self.mandrel is not None:
+            require_moderate_scales(pattern, 3.15 * self.mandrel.radius**2)
 
 
 def compute(
     task: Task[NativeRigBlock], inputs: Mapping[str, xr.Dataset], resources: Resources
 ) -> xr.Dataset:
-    """Dataset of kind native_rig; values are nan where the strip did not converge."""
-    from flexscale.finite.native_stage_dataset import simulate_native_stage
+    """Dataset of kind native_rig; values are nan where no equilibrium was found."""
+    from flexscale.finite.native_rigs import Progress, mandrel_arrays, rig_dataset, stage_arrays
 
-    block = task.block
-    return simulate_native_stage(
-        task.pattern,
-        length=block.length,
-        width=block.width,
-        shortenings=block.shortenings,
-        direction=block.direction,
-        sides=block.sides,
-        model=task.native,
-        checkpoint=resources.checkpoint,
-        on_sample=resources.on_sample,
-    )
+    block, native = task.block, native_of(task, inputs)
+    progress = Progress(block.n_samples(task.pattern), resources.on_sample)
+    given = (block.sides, native, resources.checkpoint, progress)
+    devices = {}
+    if block.mandrel is not None:
+        disc = block.mandrel.model_dump()
+        devices["mandrel"] = mandrel_arrays(task.pattern, disc.pop("angles"), *given, **disc)
+    if block.stage is not None:
+        strip = block.stage.model_dump()
+        devices["stage"] = stage_arrays(task.pattern, strip.pop("shortenings"), *given, **strip)
+    return rig_dataset(task.pattern, native, block.sides, devices)
 
 
 NATIVE_RIG = Step(
     "native_rig",
-    1,
+    2,
     NativeRigBlock,
-    "the scales themselves on the stage; {} for defaults, which take hours",
+    "the scales themselves on the testing devices",
     compute,
     native=BENT,
     resumable=True,
@@ -73,7 +106,8 @@ NATIVE_RIG = Step(
             "native_rig",
             ("native_rig",),
             lambda plot, rig: plot.rig(rig),
-            "Force on a strip of scales on the stage, against its shortening.",
+            "Force on the scales on the testing devices: around the mandrel, and against the "
+            "stage's shortening.",
         ),
     ),
 )

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Self
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from flexscale.homogenize.native_model import NativeModel, require_finite_sheet
-from flexscale.mesh.estimate import require_moderate_sheet
+from flexscale.homogenize.native_model import NativeModel, require_joints
 from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SIDES
 from flexscale.steps.blocks import Curvatures, Direction, Sides, Size, increasing
 from flexscale.steps.folds import require_open
+from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import BENT, Figure, Resources, Step, StepBlock, Task
 
@@ -57,12 +57,14 @@ class NativeSheetBlock(StripsBlock):
     """A rectangular sheet of scales bent between end strips."""
 
     def refuse_in(self, experiment: Experiment) -> None:
-        """Options that only a periodic cell has."""
-        require_finite_sheet(experiment.model)
+        """Native models that have no whole sheets."""
+        require_joints(experiment.model)
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
-        """A mesh that is too large."""
-        require_moderate_sheet(pattern, native.mesh, self.length, self.width)
+        """More scales than memory holds."""
+        from flexscale.finite.sheet_scales import require_moderate_scales
+
+        require_moderate_scales(pattern, self.length * self.width)
 
 
 def compute(
@@ -74,12 +76,12 @@ def compute(
     block = task.block
     return simulate_native_sheet(
         task.pattern,
-        length=block.length,
-        width=block.width,
+        block.length,
+        block.width,
         curvatures=block.curvatures,
         direction=block.direction,
-        sides=block.sides,
-        model=task.native,
+        side=block.sides,
+        model=native_of(task, inputs),
         checkpoint=resources.checkpoint,
         on_sample=resources.on_sample,
     )
@@ -87,9 +89,9 @@ def compute(
 
 NATIVE_SHEET = Step(
     "native_sheet",
-    1,
+    2,
     NativeSheetBlock,
-    "the scales themselves between end strips; {} for defaults, which take hours",
+    "the scales themselves between end strips; {} for defaults",
     compute,
     native=BENT,
     resumable=True,

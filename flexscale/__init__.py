@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
-    from flexscale.finite.native_sheet_dataset import simulate_native_sheet
     from flexscale.finite.native_rigs import simulate_native_mandrel, simulate_native_stage
+    from flexscale.finite.native_sheet_dataset import simulate_native_sheet
     from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness

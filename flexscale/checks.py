@@ -258,9 +258,7 @@ def place(given: Any, name: str) -> tuple[float, float]:
     """
     values = series("mm", name)(given, name)
     if len(values) != 2:
-        raise BadInputError(
-            f"{name} needs two lengths in mm, along x and y, not {len(values)}."
-        )
+        raise BadInputError(f"{name} needs two lengths in mm, along x and y, not {len(values)}.")
     return values[0], values[1]
 
 

@@ -13,6 +13,7 @@ from flexscale.datasets.build import build_dataset
 from flexscale.datasets.sample_checks import check_axis, check_numbers, check_sides, check_status
 from flexscale.datasets.sheet_variables import COUNTS, Measured, check_sizes, number
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
+from flexscale.errors import SchemaError
 
 
 def of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> Measured:

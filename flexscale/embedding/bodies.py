@@ -22,7 +22,7 @@ flat base under a bend lies off the cylinder by -kappa (r . n)^2 / 2, in the mea
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -74,16 +74,6 @@ class Body:
     def n_unknowns(self) -> int:
         """12 of the frame, and the modes."""
         return N_FRAME + self.modes.shape[2]
-
-    def anchored(self, place: FloatArray) -> Body:
-        """The same scale with its anchor at another rest place (2,), mm."""
-        shift = np.append(self.anchor - place, 0.0)
-        return replace(
-            self,
-            anchor=np.array(place, dtype=float),
-            arms=self.arms + self.is_point[:, None] * shift,
-            vertex_arms=self.vertex_arms + shift,
-        )
 
     def strain(self, unknowns: FloatArray) -> FloatArray:
         """(6 + n,) s at unknowns (p, g_1, g_2, g_3, q)."""

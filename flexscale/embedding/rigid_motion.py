@@ -15,7 +15,8 @@ pair of neighbors sees its own motion, and no surface needs to fit them all.
 What strains a joint, and what touches, depends on how scale b lies against scale a alone: with A, B
 the turns of both, and y the arrow between their anchors in a's frame,
 
-    t = A^T y,   G = A^T Q B,   y = Q w_b + v - w_a,   v = V F D + kappa (lift_b Q e_3 - lift_a e_3),
+    t = A^T y,   G = A^T Q B,   y = Q w_b + v - w_a,
+    v = V F D + kappa (lift_b Q e_3 - lift_a e_3),
 
 where lifts are heights of anchors by kappa. Variables of a pair are w and c of a, w and c of b,
 S = (S_xx, S_yy, S_xy), and the curvature kappa along a line k = kappa K of given K. A pose changes
@@ -242,10 +243,9 @@ def _matrix(motion: FloatArray, entry: int, out: FloatArray) -> None:
 def _arrow(motion: FloatArray, entry: int, w: FloatArray, out: FloatArray) -> None:
     """Q w + v, or a derivative of it."""
     for i in range(3):
-        row = 3 + 3 * i
-        out[i] = motion[i, entry] + (
-            motion[row, entry] * w[0] + motion[row + 1, entry] * w[1] + motion[row + 2, entry] * w[2]
-        )
+        out[i] = motion[i, entry]
+        for j in range(3):
+            out[i] += motion[3 + 3 * i + j, entry] * w[j]
 
 
 @njit(cache=True, error_model="numpy")

@@ -111,6 +111,4 @@ class JointSheet(JointProblem):
             np.add.at(force, scales.pairs[rows.pair, rows.table.second.astype(int)], sizes)
         share = 1.0 / members[sheet.bodies]
         assert len(places) == n
-        return ScalesAt(
-            places, turns, of_body[sheet.bodies] * share, force[sheet.bodies] * share
-        )
+        return ScalesAt(places, turns, of_body[sheet.bodies] * share, force[sheet.bodies] * share)

@@ -34,7 +34,8 @@ def symmetry_center(pattern: Pattern) -> tuple[FloatArray, int]:
         return np.asarray(pattern.outlines()[0].mean(axis=0)), 1
     least = min(turns, key=lambda turn: min(turn.angle % 360.0, -turn.angle % 360.0))
     order = round(360.0 / min(least.angle % 360.0, -least.angle % 360.0))
-    return np.linalg.solve(np.eye(2) - least.linear, least.translation), order
+    center = np.asarray(np.linalg.solve(np.eye(2) - least.linear, least.translation))
+    return center, order
 
 
 class NativeDisc(DrivenSheet):

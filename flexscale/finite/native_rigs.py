@@ -1,4 +1,4 @@
-"""Scales on joints on the testing devices, as a dataset: disc on the mandrel, strip on the stage."""
+"""Scales on joints on the testing devices, as datasets: disc on the mandrel, strip on stage."""
 
 from __future__ import annotations
 

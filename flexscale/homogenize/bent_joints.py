@@ -42,7 +42,6 @@ class JointState:
     forces: FloatArray
 
 
-
 class BentJoints:
     """Scales on joints under one bend: an `Objective` for `solve.newton`."""
 

@@ -20,10 +20,10 @@ from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World
 from flexscale.errors import PatternError
 from flexscale.homogenize.cell_model import CellModel
-from flexscale.homogenize.hold import Hold, Periodic
 from flexscale.homogenize.keep_apart import keep_apart
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.problem import FlatBends
+from flexscale.homogenize.scale_modes import build_bodies, build_rigid_bodies
 from flexscale.homogenize.substrate import build_embedding, build_substrate
 from flexscale.mechanics.barrier import barrier_stiffness
 from flexscale.mechanics.contact import ContactSurface, ScaleContact
@@ -35,7 +35,6 @@ from flexscale.patterns import NeoHookean, Pattern
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import build_factorization
 from flexscale.solve.ordering import elimination_order
-from flexscale.solve.unconstrained import UnconstrainedSystem
 
 
 def _build_tets(embedding: CellEmbedding, material: NeoHookean) -> NeoHookeanTets:
@@ -59,6 +58,12 @@ def _build_contact(surface: ContactSurface | None, model: CellModel) -> ScaleCon
     return ScaleContact(surface, distance, stiffness)
 
 
+def _build_bodies(inner: CellEmbedding, model: CellModel) -> list[Body]:
+    if model.scales.model == "rigid":
+        return build_rigid_bodies(inner, model.scale_material, model.rigid_stiffness)
+    return build_bodies(inner, model.scale_material, model.sheet_support, model.scales.cutoff)
+
+
 @dataclass(frozen=True)
 class CellState:
     """Energy and forces of the cell at a state z.
@@ -80,14 +85,13 @@ class CellState:
 
 
 class CellProblem:
-    """Substrate and scales of one translational cell, or of what a hold makes of it, to be bent.
+    """Substrate and scales of one translational cell, to be bent.
 
     Parameters
     ----------
     mesh : torus mesh.
     model : materials, sizes, contact, linear solver.
     bodies : the scales, if they are bodies and known already.
-    hold : how it is held; periodic if not given.
 
     Attributes
     ----------
@@ -113,15 +117,14 @@ class CellProblem:
         mesh: PeriodicMesh,
         model: CellModel,
         bodies: Sequence[Body] | None = None,
-        hold: Hold | None = None,
     ) -> None:
-        self.mesh, self.model, self.hold = mesh, model, hold or Periodic()
+        self.mesh, self.model = mesh, model
         tets = model.scales.model == "tets" or mesh.n_scales == 0
         edge = model.contact.edge if model.contact.enabled else None
         inner = build_embedding(mesh, model, edge, tets)
-        self.area = self.hold.area(inner)
+        self.area = mesh.cell_area
         self.energies: list[Energy] = build_substrate(inner, model)
-        self.contact = _build_contact(self.hold.surface(inner), model)
+        self.contact = _build_contact(inner.contact_surface, model)
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
         names = [name for e in self.energies for name in e.part_names]
         self.part_names = (*names, "scales", *([] if self.contact is None else ["contact"]))
@@ -130,15 +133,14 @@ class CellProblem:
         if tets:
             self.energies.append(_build_tets(inner, model.scale_material))
         else:
-            self.bodies = tuple(self.hold.bodies(inner, model) if bodies is None else bodies)
+            self.bodies = tuple(_build_bodies(inner, model) if bodies is None else bodies)
             self.embedding = BodyCell(inner, self.bodies)
         self._check_start()
-        self.active = self.hold.active(self.embedding)
+        self.active = self.embedding.active
         # Cells with tets and with bodies have worlds of their own, and the same calls.
         self.pull_back: Any = self._build_pull_back(inner)
         self.build_system()
-        rigid = self.embedding.shift_mode[self.active]
-        self.shift_mode = rigid if self.hold.floats else np.zeros(len(self.active))
+        self.shift_mode = self.embedding.shift_mode[self.active]
         # Energies below this are rounding: strains of 1e-12 in the sheet, of 3e-15 in the scales.
         sheet = model.substrate_material.young_modulus * model.substrate_thickness
         scales = model.scale_material.young_modulus * mesh.scale_height
@@ -212,16 +214,12 @@ class CellProblem:
         groups = getattr(self.pull_back, "groups", None)
         order = None if groups is None else elimination_order(*pattern, groups)
         factorization = build_factorization(*pattern, self.model.linear_solver, order)
-        self.system: ConstrainedSystem | UnconstrainedSystem
-        if self.hold.floats:
-            self.system = ConstrainedSystem(
-                factorization,
-                self.pull_back.diagonal,
-                self.embedding.mean_offset[self.active],
-                int(np.searchsorted(self.active, self.embedding.shift_unknown)),
-            )
-        else:  # what is held needs no constraint
-            self.system = UnconstrainedSystem(factorization, self.pull_back.diagonal)
+        self.system = ConstrainedSystem(
+            factorization,
+            self.pull_back.diagonal,
+            self.embedding.mean_offset[self.active],
+            int(np.searchsorted(self.active, self.embedding.shift_unknown)),
+        )
 
     def bent(self, bend: Bend) -> BentCell:
         """The cell's energy as a function of z under a macroscopic bend."""
@@ -263,7 +261,7 @@ class BentCell:
         self.energy_floor = problem.energy_floor
 
     @property
-    def system(self) -> ConstrainedSystem | UnconstrainedSystem:
+    def system(self) -> ConstrainedSystem:
         """Linear systems on the present pattern."""
         return self.problem.system
 

@@ -79,7 +79,7 @@ class JointProblem:
         area: float,
     ) -> None:
         self.embedding, self.stations, self.law, self.native = embedding, stations, law, native
-        self.gap, self.area, self.active = gap, area, embedding.active
+        self._gap, self.area, self.active = gap, area, embedding.active
         self._law = law.table
         self.contact = self._build_contact()
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
@@ -93,8 +93,8 @@ class JointProblem:
         if not options.enabled:
             return None
         # The force that stretches a strip of sheet as wide as the gap to twice its length.
-        force = self.law.modulus * self.law.thickness * self.gap
-        distance = options.activation * self.gap
+        force = self.law.modulus * self.law.thickness * self._gap
+        distance = options.activation * self._gap
         stiffness = options.stiffness * barrier_stiffness(force, distance)
         return PrismContact(self.embedding.scales.rows, distance, stiffness)
 
@@ -133,6 +133,11 @@ class JointProblem:
     def _order(self, indptr: IntArray) -> IntArray | None:
         """None: the solver's own."""
         return None
+
+    @property
+    def gap(self) -> float:
+        """mm, between scales at rest."""
+        return self._gap
 
     @property
     def n_scales(self) -> int:

@@ -19,7 +19,7 @@ from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
 
 if TYPE_CHECKING:
-    from flexscale.homogenize.problem import Contact, Problem
+    from flexscale.homogenize.problem import Bendable, Contact
 
 _ROUNDS = 8  # in which pairs of scales that still overlap join
 _PASSES = 6  # in which gaps are measured anew where scales met on the way
@@ -29,7 +29,7 @@ _MET = 4.0  # d_hat, closer than which they are measured there
 
 
 def keep_apart(
-    problem: Problem, start: FloatArray, wanted: FloatArray, bend: Bend | TensorBend
+    problem: Bendable, start: FloatArray, wanted: FloatArray, bend: Bend | TensorBend
 ) -> FloatArray | None:
     """State near a wanted one under `bend`, to which no scales meet on the way.
 
@@ -56,7 +56,7 @@ class _Search:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: Bendable,
         contact: Contact,
         start: FloatArray,
         wanted: FloatArray,

@@ -61,9 +61,7 @@ def keep_many_apart(
 class _Search:
     """Gaps within reach, linear in positions."""
 
-    def __init__(
-        self, problem: JointProblem, start: FloatArray, bend: Bend | TensorBend
-    ) -> None:
+    def __init__(self, problem: JointProblem, start: FloatArray, bend: Bend | TensorBend) -> None:
         assert problem.contact is not None
         self.problem, self.contact, self.bend = problem, problem.contact, bend
         self.found = np.zeros(0, dtype=np.int64)

@@ -18,7 +18,7 @@ import numpy as np
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
-from flexscale.homogenize.problem import Bent, Problem
+from flexscale.homogenize.problem import Bendable, Bent
 from flexscale.homogenize.sample import Sample
 from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.continuation import Effort, Stepping, advance
@@ -101,7 +101,7 @@ def _point_of(sample: Sample) -> _Point:
 
 
 def follow_line(
-    problem: Problem,
+    problem: Bendable,
     line: Line,
     options: SolverOptions,
     finished: Sequence[Sample] = (),
@@ -177,7 +177,7 @@ def _stops(start: float, end: float, largest: float) -> FloatArray:
 class _Bending:
     """A line as a path of the continuation, whose parameter is the curvature."""
 
-    problem: Problem
+    problem: Bendable
     line: Line
 
     def objective(self, curvature: float) -> Bent:
@@ -193,7 +193,7 @@ class _Bending:
         return _next_point(self.problem, self.line, before, curvature, solution)
 
 
-def load_line(problem: Problem, line: Line, checkpoint: Checkpoint | None) -> list[Sample]:
+def load_line(problem: Bendable, line: Line, checkpoint: Checkpoint | None) -> list[Sample]:
     """Finished samples of a line from which `follow_line` can go on."""
     needed = {"energy_density", "moment"}
     if problem.contact is not None:
@@ -202,7 +202,7 @@ def load_line(problem: Problem, line: Line, checkpoint: Checkpoint | None) -> li
     return cast(list[Sample], load_finished(checkpoint, line.key, axis, size, needed))
 
 
-def set_barrier(problem: Problem, sample: Mapping[str, Any] | None) -> None:
+def set_barrier(problem: Bendable, sample: Mapping[str, Any] | None) -> None:
     """Stiffness of the barrier for the sample that follows `sample`; None at the start of a line.
 
     The distance that scales keep must stay well above rounding, however hard they press.
@@ -216,12 +216,12 @@ def set_barrier(problem: Problem, sample: Mapping[str, Any] | None) -> None:
     _set_stiffness(problem, stiffness)
 
 
-def _set_stiffness(problem: Problem, stiffness: float) -> None:
+def _set_stiffness(problem: Bendable, stiffness: float) -> None:
     if problem.contact is not None:
         problem.contact.stiffness = stiffness
 
 
-def _start(problem: Problem, line: Line) -> tuple[_Point, Solution]:
+def _start(problem: Bendable, line: Line) -> tuple[_Point, Solution]:
     """The flat state: an equilibrium by construction, so one factorization gives all there is."""
     cell = problem.bent(line.bend(0.0))
     state = cell.evaluate(problem.embedding.rest)
@@ -233,7 +233,7 @@ def _start(problem: Problem, line: Line) -> tuple[_Point, Solution]:
 
 
 def _next_point(
-    problem: Problem, line: Line, before: _Point | None, curvature: float, solution: Solution
+    problem: Bendable, line: Line, before: _Point | None, curvature: float, solution: Solution
 ) -> _Point:
     rate = _rate(problem, line, curvature, solution)
     second = np.zeros_like(rate)
@@ -244,7 +244,7 @@ def _next_point(
 
 
 def _energy_and_moment(
-    problem: Problem, line: Line, curvature: float, solution: Solution
+    problem: Bendable, line: Line, curvature: float, solution: Solution
 ) -> tuple[float, float]:
     """Energy density, and its derivative by the magnitude of the curvature."""
     cell = problem.bent(line.bend(curvature))
@@ -253,12 +253,12 @@ def _energy_and_moment(
 
 
 def _solve(
-    problem: Problem, line: Line, curvature: float, z: FloatArray, options: SolverOptions
+    problem: Bendable, line: Line, curvature: float, z: FloatArray, options: SolverOptions
 ) -> Solution:
     return solve_equilibrium(problem.bent(line.bend(curvature)), z, options)
 
 
-def _rate(problem: Problem, line: Line, curvature: float, solution: Solution) -> FloatArray:
+def _rate(problem: Bendable, line: Line, curvature: float, solution: Solution) -> FloatArray:
     """dz/d|kappa| along the branch: one back-substitution."""
     cell = problem.bent(line.bend(curvature))
     if solution.negative_eigenvalues > 0:  # the last factorization was not of the true Hessian
@@ -270,7 +270,7 @@ def _rate(problem: Problem, line: Line, curvature: float, solution: Solution) ->
 
 
 def _bend_back(
-    problem: Problem, line: Line, point: _Point, curvature: float, options: SolverOptions
+    problem: Bendable, line: Line, point: _Point, curvature: float, options: SolverOptions
 ) -> Sample:
     """Energy density and moment at a smaller curvature, met from `point`; none if not reached."""
     predicted = _predict(problem, line, point, curvature)
@@ -282,7 +282,7 @@ def _bend_back(
     return {"energy_density_returning": energy, "moment_returning": moment}
 
 
-def _predict(problem: Problem, line: Line, point: _Point, target: float) -> FloatArray | None:
+def _predict(problem: Bendable, line: Line, point: _Point, target: float) -> FloatArray | None:
     """The better start at `target` of those along dz/dkappa and along its parabola.
 
     Where scales would meet on the straight way to both, or both have so much energy that Newton may
@@ -305,7 +305,7 @@ def _predict(problem: Problem, line: Line, point: _Point, target: float) -> Floa
 
 
 def _keep_apart(
-    problem: Problem, line: Line, point: _Point, target: float, wanted: FloatArray
+    problem: Bendable, line: Line, point: _Point, target: float, wanted: FloatArray
 ) -> FloatArray | None:
     """As `keep_apart`, from a point on the line."""
     if problem.contact is None:
@@ -317,7 +317,7 @@ def _keep_apart(
     return problem.bent(line.bend(target)).keep_apart(state, wanted)
 
 
-def _is_free(problem: Problem, line: Line, point: _Point, state: Any) -> bool:
+def _is_free(problem: Bendable, line: Line, point: _Point, state: Any) -> bool:
     """Whether no scales meet on the straight way in the world from a point to a state."""
     if problem.contact is None:
         return True
@@ -325,7 +325,7 @@ def _is_free(problem: Problem, line: Line, point: _Point, state: Any) -> bool:
     return problem.contact.free_share(start, state.world.y) >= 1.0
 
 
-def _measure(problem: Problem, line: Line, curvature: float, solution: Solution) -> Sample:
+def _measure(problem: Bendable, line: Line, curvature: float, solution: Solution) -> Sample:
     """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
     state = solution.evaluation
     energy_density, moment = _energy_and_moment(problem, line, curvature, solution)

@@ -158,5 +158,5 @@ def require_joints(model: NativeModel) -> None:
     if model.name != "joints":
         raise ConfigError(
             f"Native sheets, stages and discs are of scales on joints, not of the native model "
-            f"{model.name!r}: say native: joints (model=\"joints\" in Python)."
+            f'{model.name!r}: say native: joints (model="joints" in Python).'
         )

@@ -80,8 +80,8 @@ class FlatBends:
     relaxed: list[FloatArray]
 
 
-class Problem(Protocol):
-    """A pattern's cell in one native model.
+class Bendable(Protocol):
+    """Whatever can be followed along a line of bends: a cell, or a sheet between end strips.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Problem(Protocol):
     barrier_stiffness : N mm-3, with which every line of samples begins.
     part_names : names of the energy parts.
     largest_step : mm-1, of the curvature from one equilibrium to the next.
-    area : rest area, mm2; gap : mm, between scales at rest; n_scales : of the cell.
+    area : rest area, mm2; gap : mm, between scales at rest.
     """
 
     embedding: Any
@@ -110,12 +110,25 @@ class Problem(Protocol):
         """mm."""
 
     @property
-    def n_scales(self) -> int:
-        """In the cell."""
-
-    @property
     def system(self) -> System:
         """Linear systems on the present pattern of nonzeros."""
+
+    def bent(self, bend: Any) -> Bent:
+        """The energy as a function of z under a bend."""
+
+    def fit_room(self, z: FloatArray, bend: Any) -> None:
+        """Forget what earlier states left: results depend on z alone."""
+
+    def facts_of(self, state: Any) -> dict[str, Any]:
+        """What a sample of a sweep tells of a state beyond what all models tell."""
+
+
+class Problem(Bendable, Protocol):
+    """A pattern's cell in one native model."""
+
+    @property
+    def n_scales(self) -> int:
+        """In the cell."""
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -129,17 +142,8 @@ class Problem(Protocol):
     def parts(self) -> tuple[Callable[..., Problem], tuple[Any, ...]]:
         """What makes it again in another process, picklable."""
 
-    def bent(self, bend: Any) -> Bent:
-        """The cell's energy as a function of z under a bend."""
-
-    def fit_room(self, z: FloatArray, bend: Any) -> None:
-        """Forget what earlier states left: results depend on z alone."""
-
     def flat_bends(self) -> FlatBends:
         """Answers of the flat cell; its system is left factorized at rest."""
 
     def display(self) -> Any:
         """What places everything that one can see of a cell: `embedding.display.Display`."""
-
-    def facts_of(self, state: Any) -> dict[str, Any]:
-        """What a sample of a sweep tells of a state beyond what all models tell."""

@@ -13,7 +13,6 @@ length with E t / g in the plane and 12 D / g^3 across, and turns with 4 D / g.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,10 +75,8 @@ def build_bodies(
     material: NeoHookean,
     support: SheetSupport,
     cutoff: float,
-    affine: Collection[int] = (),
 ) -> list[Body]:
-    """Bodies of all scales of a cell whose scales are points (`PointNodes`); those that are
-    `affine` have no modes."""
+    """Bodies of all scales of a cell whose scales are points (`PointNodes`)."""
     nodes = embedding.nodes
     assert isinstance(nodes, PointNodes)
     of_base = isinstance(embedding, SolidCell)
@@ -87,12 +84,9 @@ def build_bodies(
     shares = embedding.vertex_shares()
     known: list[_Modes] = []
     return [
-        _build_body(
-            embedding, nodes, material, loads, shares, scale,
-            np.inf if scale in affine else cutoff, known,
-        )
+        _build_body(embedding, nodes, material, loads, shares, scale, cutoff, known)
         for scale in range(embedding.mesh.n_scales)
-    ]  # fmt: skip
+    ]
 
 
 def build_rigid_bodies(embedding: CellEmbedding, material: NeoHookean, factor: float) -> list[Body]:

@@ -19,7 +19,7 @@ from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line, follow_line, load_line
 from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.homogenize.native_model import NativeModel, native_model
-from flexscale.homogenize.problem import Problem
+from flexscale.homogenize.problem import Bendable, Problem
 from flexscale.homogenize.sample import Sample
 from flexscale.homogenize.sweep_dataset import build_dataset_of
 from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error
@@ -144,7 +144,7 @@ def sweep(
 
 
 def run_lines(
-    problem: Problem,
+    problem: Bendable,
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None = None,
@@ -187,7 +187,7 @@ def check_sweep(
 
 
 def _run_line(
-    problem: Problem, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
+    problem: Bendable, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
 ) -> Iterator[Sample]:
     finished = load_line(problem, line, checkpoint)
     yield from finished
@@ -198,7 +198,7 @@ def _run_line(
 
 
 def _in_turn(
-    problem: Problem,
+    problem: Bendable,
     lines: Sequence[Line],
     solver: SolverOptions,
     checkpoint: Checkpoint | None,

@@ -217,9 +217,7 @@ class PrismContact(Barrier):
     def add_gradient(self, y: FloatArray, gradient: FloatArray) -> None:
         """Add dE/dy [N] to `gradient (n_rows, 3)`."""
         found, _, _ = self.closer(y, self.activation_distance)
-        _add_gradient(
-            y, self.rows.table, found, self.activation_distance, self.stiffness, gradient
-        )
+        _add_gradient(y, self.rows.table, found, self.activation_distance, self.stiffness, gradient)
 
     def free_share(self, start: FloatArray, end: FloatArray) -> float:
         """Share of the straight way from y = start to end on which nothing passes through."""

@@ -314,9 +314,7 @@ def greatest_way(y: FloatArray, before: FloatArray, table: Candidates, k: int) -
 
 
 @njit(cache=True, error_model="numpy")
-def moved_since(
-    y: FloatArray, table: Candidates, k: int, memory: Memory, most: float
-) -> float:
+def moved_since(y: FloatArray, table: Candidates, k: int, memory: Memory, most: float) -> float:
     """By how much pair k moved since its distances were measured; they are anew if by `most`."""
     way = greatest_way(y, memory.places, table, k)
     if way < most:

@@ -20,7 +20,6 @@ from flexscale.mesh.topology import TorusEdges, build_edges
 from flexscale.patterns import Isometry, Pattern
 from flexscale.patterns.corners import torus_classes
 
-IDENTITY = Isometry(np.eye(2), np.zeros(2))
 SAME_NODE = 1e-7  # relative to the root of a tile's mean area
 
 
@@ -65,7 +64,7 @@ def build_mesh(
         for prototile in pattern.prototiles
     ]
     placed = [(meshes[copy.prototile], copy.placement) for copy in pattern.copies]
-    mesh = join_tiles(placed, (), pattern.lattice, pattern.scale_height)
+    mesh = join_tiles(placed, pattern.lattice, pattern.scale_height)
     if options.scale_order == 2:
         mesh = elevate_scales(mesh)
     mesh.validate()
@@ -74,7 +73,6 @@ def build_mesh(
 
 def join_tiles(
     placed: Sequence[tuple[TileMesh, Isometry]],
-    bare: Sequence[TileMesh],
     lattice: FloatArray,
     scale_height: float,
 ) -> PeriodicMesh:
@@ -83,13 +81,11 @@ def join_tiles(
     Parameters
     ----------
     placed : tiles with scales, and where they lie.
-    bare : tiles without, in their places.
     lattice : (2, 2) rows, mm.
     scale_height : mm.
     """
-    sheet = _place_sheet([*placed, *((tile, IDENTITY) for tile in bare)])
-    n_tiles = len(placed) + len(bare)
-    tolerance = SAME_NODE * float(np.sqrt(np.linalg.det(lattice) / n_tiles))
+    sheet = _place_sheet(placed)
+    tolerance = SAME_NODE * float(np.sqrt(np.linalg.det(lattice) / len(placed)))
     vertex, offset = _glue(sheet, lattice, tolerance)
     first = np.unique(vertex, return_index=True)[1]
     triangles, offsets = vertex[sheet.triangles], offset[sheet.triangles]

@@ -131,9 +131,7 @@ def _join(
     return joints
 
 
-def _partners(
-    tiles: Sequence[FloatArray], lattice: FloatArray | None
-) -> tuple[IntArray, IntArray]:
+def _partners(tiles: Sequence[FloatArray], lattice: FloatArray | None) -> tuple[IntArray, IntArray]:
     """For each edge of each tile the number of the same edge of the other tile, -1 for none, and
     the lattice offset (n, 2) of that tile."""
     starts = np.concatenate(tiles)

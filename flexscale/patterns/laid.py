@@ -87,7 +87,7 @@ def lay_pattern(
     ------
     PatternError : no piece of the sheet carries a scale.
     """
-    turn = np.radians(direction)
+    turn, point = np.radians(direction), np.asarray(offset, dtype=float)
     cosine, sine = np.cos(turn), np.sin(turn)
     rotation = np.array([[cosine, -sine], [sine, cosine]])  # x @ rotation
     low, high = border.min(axis=0), border.max(axis=0)
@@ -100,7 +100,7 @@ def lay_pattern(
     whole: list[bool] = []
     bare: list[FloatArray] = []
     for tile, outline in zip(pattern.tiles, pattern.outlines(), strict=True):
-        here, own = ((x - offset) @ rotation + middle for x in (tile, outline))
+        here, own = ((x - point) @ rotation + middle for x in (tile, outline))
         shifts = _shifts(here, lattice, low, high)
         placed = shapely.polygons(here[None] + shifts[:, None])
         inside = shapely.covers(edge, placed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xarray as xr
 
 from flexscale.datasets.device_variables import DEVICE_COORDINATES, check_devices
-from flexscale.datasets.sheet_variables import COUNTS
+from flexscale.datasets.sheet_variables import COUNTS, Measured
 from flexscale.datasets.variables import SIDE, STATUS_ATTRS, Schema, Variable
 
 _COUNTS = (
@@ -15,7 +15,7 @@ _COUNTS = (
 )
 
 
-def _of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> tuple[Variable, ...]:
+def _of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> Measured:
     dims = ("side", axis)
     numbers = (
         *own,

@@ -82,9 +82,7 @@ class Progress:
             # A sweep solves one more, to check symmetry, than the plan counts.
             self.samples[job_id] = min(event["done"], self.plan[job_id].n_samples)
             self.n_failed[job_id] = event["n_failed"]
-            bent = event.get("curvature")
-            load = f"{event['shortening']:g} mm" if bent is None else f"{bent:g} mm-1"
-            self.where = f"{event['side']} {event['direction']:g}°, {load}"
+            self.where = f"{event['side']} {_place(event)}"
         elif kind in ("end", "error"):
             self.working.pop(job_id, None)
             self.jobs_left -= 1
@@ -117,3 +115,10 @@ class Progress:
         else:
             elapsed = self.last_line - self.started
             print(f"[{elapsed:5.0f} s] {line}", file=sys.stderr, flush=True)
+
+
+def _place(event: dict[str, Any]) -> str:
+    """Which of a job's samples is finished: of a line of bends, or on a device."""
+    if "curvature" in event:
+        return f"{event['direction']:g}°, {event['curvature']:g} mm-1"
+    return f"{event['device']}, {event['place']:g} {event['unit']}"

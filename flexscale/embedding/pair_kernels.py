@@ -277,6 +277,8 @@ def _add_joint(
 ) -> None:
     """Carry derivatives by the middle pose over to tau and alpha."""
     n = N_POSE
+    if order == 0:
+        return
     for i in range(n):
         for c in range(6):
             gradient[i] += slope[c] * relative[c, 1 + i]
@@ -325,6 +327,8 @@ def _add_contact(
         if not barrier_jet(table.is_wall[s], rows, d_hat * d_hat, work, out, n, order):
             continue
         energy += stiffness * out[0]
+        if order == 0:
+            continue
         for i in range(n):
             gradient[i] += stiffness * out[1 + i]
         if order > 1:
@@ -371,14 +375,14 @@ def assemble(
     y : (n_rows, 3) of `place_rows`; table, memory, d_hat, most : see `prism_kernels`.
     stiffness : of the barrier, N mm-3; 0 without contact, when tables are not looked at.
     lift : `KEEP`, or what is replaced by its positive part.
-    gradient : (n_unknowns + 1,) the last by kappa.
+    gradient : (n_unknowns + 1,) the last by kappa; (0,) if nobody asks for derivatives.
     slots : (n_pairs, SLOTS) place in `values` of the upper triangle of a pair's block, row by row;
         -1 for none. With none at all, (0, SLOTS), second derivatives are not computed.
     values : (nnz,) upper triangle of the Hessian of those unknowns that are sought.
     direction, rate : (n_unknowns + 1,), of which the second is the full Hessian times the first.
     split : (n_pairs, 2) filled with both energies of each pair; (0, 2) if nobody asks.
     """
-    order = 2 if len(slots) else 1
+    order = 2 if len(slots) else (1 if len(gradient) else 0)
     posing, block = _new_posing(order), np.empty((_N, _N))
     pose, jacobian = posing.pose, posing.jacobian
     size = jet_length(N_POSE, order)
@@ -420,7 +424,7 @@ def assemble(
         contact += touching
         if len(split):
             split[k, 0], split[k, 1] = energy, touching
-        if not jointed and not total.any():
+        if order == 0 or (not jointed and not total.any()):
             continue
         last = OF_S + pairs.n_motion
         for i in range(last):

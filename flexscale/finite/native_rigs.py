@@ -36,7 +36,7 @@ ANGLES = tuple(5.0 * k for k in range(72))
 HUB = 10.0  # mm; the paper gives none
 _REAL = ("force", "energy", "min_gap")
 _COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs", "outside_range")
-_SAME = 1e-6  # degree, between angles that are one
+_UNITS = {"mandrel": "degree", "stage": "mm"}
 
 Samples = list[dict[str, Any]]
 
@@ -49,7 +49,8 @@ class LoadEvent:
     ----------
     done, total, n_failed : samples finished, in all, and not converged so far.
     side, status : of the sample.
-    place : degree around the rim, or mm of shortening.
+    device, place, unit : where it is: around the rim of the mandrel's disc, or a shortening on the
+        stage.
     seconds : since the first sample began.
     """
 
@@ -57,7 +58,9 @@ class LoadEvent:
     total: int
     n_failed: int
     side: str
+    device: str
     place: float
+    unit: str
     status: SolveStatus
     seconds: float
 
@@ -69,15 +72,15 @@ class Progress:
         self.total, self.on_sample = total, on_sample
         self.done, self.failed, self.start = 0, 0, time.perf_counter()
 
-    def tell(self, side: str, place: float, sample: Mapping[str, Any]) -> None:
+    def tell(self, side: str, device: str, place: float, sample: Mapping[str, Any]) -> None:
         """One more sample is finished."""
         status = SolveStatus(sample["status"])
         self.done, self.failed = self.done + 1, self.failed + (status != SolveStatus.converged)
         if self.on_sample:
             seconds = time.perf_counter() - self.start
-            self.on_sample(
-                LoadEvent(self.done, self.total, self.failed, side, place, status, seconds)
-            )
+            counts = (self.done, self.total, self.failed)
+            unit = _UNITS[device]
+            self.on_sample(LoadEvent(*counts, side, device, place, unit, status, seconds))
 
 
 @checked(
@@ -232,7 +235,7 @@ def stage_arrays(
             if "state" in sample:
                 sample["deflection"] = -sign * stage.deflection(sample["state"])
             samples[side].append(sample)
-            progress.tell(side, sample["load"], sample)
+            progress.tell(side, "stage", sample["load"], sample)
     arrays = _table(list(samples.values()), (*_REAL, "deflection"))
     sizes = {"length": length, "width": width, "direction": direction}
     facts = {"offset": [float(value) for value in offset], **stage.facts}
@@ -269,7 +272,7 @@ def mandrel_arrays(
             kept = _finished(checkpoint, key, [indentation], disc)
             found += list(_run(disc, key, [indentation], native, checkpoint, kept))
             for at in asked[np.flatnonzero(place == len(found) - 1)]:
-                progress.tell(side, float(at), found[-1])
+                progress.tell(side, "mandrel", float(at), found[-1])
         rows.append([found[k] for k in place])
     sizes = {"radius": radius, "hub": hub, "indentation": indentation}
     arrays = {**sizes, **_table(rows, _REAL), **_numbers(disc)}

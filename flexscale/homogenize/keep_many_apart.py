@@ -132,5 +132,4 @@ class _Search:
         barrier, _, _ = soft_barrier(
             gaps, self.contact.activation_distance, soft, self.contact.stiffness
         )
-        unused = np.zeros(problem.embedding.n_unknowns + 1)
-        return problem.joint_energy(world, self.bend, unused) + float(barrier.sum())
+        return problem.joint_energy(world, self.bend, np.zeros(0)) + float(barrier.sum())

@@ -23,7 +23,7 @@ from flexscale.mechanics.prism_kernels import (
 )
 
 _BASE, _TOP = 0, 1
-_MEMORY = 2.0  # d_hat, by which scales move until distances are measured anew
+_MEMORY = 50.0  # d_hat, by which scales move until distances are measured anew: as timed
 N_ROWS = 12  # coordinates of a candidate
 _JET = 1 + N_ROWS  # of first order
 

@@ -19,7 +19,6 @@ from flexscale.patterns.prototiles import Prototile
 
 MOST_TRIANGLES = 400_000  # of the substrate in a cell: the mesher takes a minute for so many
 MOST_TETS = 4_000_000  # of the scales in a cell
-MOST_SHEET_TRIANGLES = 2_000_000  # of the substrate in a sheet of finite size
 _PER_NODE = 8.0  # triangles of the sheet for each node along the gap, beside those across it
 _PER_AREA = 4.0 / math.sqrt(3.0)  # triangles of side 1 in an area of 1
 
@@ -57,27 +56,6 @@ def require_moderate_mesh(pattern: Pattern, options: MeshOptions) -> None:
             f"The scales of one cell would have about {expected.tets:.2g} tets, more than "
             f"{MOST_TETS}: give a larger mesh option `scale_size` (now {options.scale_size:g} mm) "
             f"or `scale_corner` (now {options.scale_corner:g} mm), or fewer layers or strips."
-        )
-
-
-def require_moderate_sheet(
-    pattern: Pattern, options: MeshOptions, length: float, width: float
-) -> None:
-    """Refuse sheets of scales, `length` by `width` (mm), of very many elements.
-
-    Raises
-    ------
-    MeshError : with the number expected.
-    """
-    require_moderate_mesh(pattern, options)
-    n_cells = length * width / pattern.cell_area
-    triangles = n_cells * estimate_elements(pattern, options).triangles
-    if triangles > MOST_SHEET_TRIANGLES:
-        raise MeshError(
-            f"The substrate of a sheet of {length:g} x {width:g} mm with about "
-            f"{n_cells * pattern.n_scales:.2g} scales would have about {triangles:.2g} triangles, "
-            f"more than {MOST_SHEET_TRIANGLES}: give a smaller sheet, larger tiles, or larger mesh "
-            "options `along` and `corner`."
         )
 
 

@@ -23,8 +23,10 @@ from flexscale.patterns.pattern import Pattern
 
 #: Of the gap, by which a joint goes on at most beyond where walls face one another.
 END_LENGTH = 1.4
-# Stations on a straight piece: exact for polynomials of degree 9 and 3; laws have degree 8.
-_MOST, _FEWEST = 5, 2
+# Stations on a straight piece are exact for polynomials of degree 9; laws have degree 8. A curved
+# line is one of many short pieces, which have one or two each.
+_MOST = 5
+_IN_ALL = 24  # on a line, or more; a fraction of one is one
 _SAME = 1e-6  # of the cell, between midpoints of one edge as an edge of two tiles
 
 
@@ -221,7 +223,7 @@ def _stations(
         begin, end = max(first - starts[k], 0.0), min(last - starts[k], length)
         if end <= begin:
             continue
-        n = int(np.clip(np.ceil((end - begin) / gap) + 1, _FEWEST, _MOST))
+        n = int(np.clip(np.ceil(_IN_ALL * (end - begin) / (last - first)), 1, _MOST))
         places, shares = np.polynomial.legendre.leggauss(n)
         t = 0.5 * (begin + end) + 0.5 * (end - begin) * places
         points.append(corners[k, 0] + t[:, None] * along[k])

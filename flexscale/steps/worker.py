@@ -85,7 +85,9 @@ def _cpu_seconds() -> float:
     return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
-_FACTS = ("done", "total", "n_failed", "direction", "side", "curvature", "shortening", "seconds")
+_FACTS = (
+    "done", "total", "n_failed", "direction", "side", "curvature", "device", "place", "unit", "seconds",
+)  # fmt: skip
 
 
 def _facts(event: Any) -> dict[str, Any]:

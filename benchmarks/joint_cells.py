@@ -23,7 +23,7 @@ import numpy as np
 from report import heading, report, table
 
 import flexscale as fs
-from flexscale.arrays import FloatArray
+from flexscale.arrays import BoolArray, FloatArray
 from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.cell_model import plate_stiffness
 from flexscale.homogenize.line import Line, follow_line
@@ -43,55 +43,91 @@ def read_log(name: str) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
 
 
-def limits(log: list[dict[str, Any]]) -> dict[str, FloatArray]:
-    """Pattern -> stiffness along `DIRECTIONS` [D] of rigid scales, extrapolated from two meshes."""
-    meshes: dict[str, dict[float, FloatArray]] = {}
+Limits = dict[tuple[str, str], FloatArray]
+
+
+def limits(log: list[dict[str, Any]]) -> Limits:
+    """Pattern, scales -> stiffness along `DIRECTIONS` [D], extrapolated from two meshes; that of
+    elastic scales from their share on one mesh."""
+    found: dict[tuple[str, str, float], FloatArray] = {}
+    shares: Limits = {}
     for line in log:
-        if line["scales"] == "rigid" and line["growth"] < 1.5 and line["edge"] in (0.03, 0.06):
-            tangent = TangentStiffness(np.array(line["matrix"]), np.zeros((3, 3)))
-            a = np.asarray(tangent.stiffness(DIRECTIONS)) / D
-            meshes.setdefault(line["pattern"], {})[line["edge"]] = a
-    return {name: 2.0 * a[0.03] - a[0.06] for name, a in meshes.items() if len(a) == 2}
+        tangent = TangentStiffness(np.array(line["matrix"]), np.zeros((3, 3)))
+        a = np.asarray(tangent.stiffness(DIRECTIONS)) / D
+        if line["along"] == 1.6 and line["growth"] < 1.5:
+            found[line["pattern"], line["scales"], line["edge"]] = a
+        elif line["along"] == 1.6:
+            shares[line["pattern"], line["scales"]] = a
+    out: Limits = {}
+    for name in dict.fromkeys(name for name, _, _ in found):
+        rigid = 2.0 * found[name, "rigid", 0.03] - found[name, "rigid", 0.06]
+        out[name, "rigid"] = rigid
+        if (name, "tets") in shares:
+            out[name, "PETG"] = rigid * shares[name, "tets"] / shares[name, "rigid"]
+    return out
 
 
 def at_rest() -> list[str]:
-    """Joints against the solid, rigid scales."""
+    """Joints against the solid, all patterns and both materials of scales."""
     rows = []
-    for name, solid in limits(read_log("solid_tangents.jsonl")).items():
-        pattern = fs.named_pattern(name, scale_material=fs.RIGID)
+    materials = {"rigid": fs.RIGID, "PETG": fs.PETG}
+    for (name, scales), solid in limits(read_log("solid_tangents.jsonl")).items():
+        pattern = fs.named_pattern(name, scale_material=materials[scales])
         joints = np.asarray(fs.tangent_stiffness(pattern).stiffness(DIRECTIONS)) / D
         ratio = joints / solid - 1.0
         worst = int(np.abs(ratio).argmax())
         rows.append([
-            name, f"{solid.min():.1f} to {solid.max():.1f}",
+            name, scales, f"{solid.min():.1f} to {solid.max():.1f}",
             f"{100 * ratio.min():+.1f} to {100 * ratio.max():+.1f}",
             f"{DIRECTIONS[worst]:g}",
         ])  # fmt: skip
-    head = ["pattern", "solid, D", "joints less solid, %", "worst at, degree"]
-    return ["## At rest, rigid scales", "", *table(head, rows)] if rows else []
+    head = ["pattern", "scales", "solid, D", "joints less solid, %", "worst at, degree"]
+    return ["## At rest, every 15 degree", "", *table(head, rows)]
+
+
+def onset(kappa: FloatArray, gap: FloatArray, touching: BoolArray) -> float:
+    """mm-1 at which scales meet: the last two gaps before, carried on to nothing."""
+    if not touching.any():
+        return float("nan")
+    last = int(np.argmax(touching)) - 1
+    slope = (gap[last] - gap[last - 1]) / (kappa[last] - kappa[last - 1])
+    return float(kappa[last] - gap[last] / slope)
 
 
 def through_contact() -> list[str]:
-    """Joints against the solid along lines, moments over those at rest on the same mesh."""
+    """Joints against the solid along lines; the solid's mesh is stiffer than its limit."""
     lines: dict[tuple[str, float, str], list[dict[str, Any]]] = {}
     for item in read_log("solid_lines.jsonl"):
-        key = (item["pattern"], item["direction"], item["side"])
-        if np.isfinite(item.get("moment", np.nan)) and item["curvature"] > 0.0:
-            lines.setdefault(key, []).append(item)
+        lines.setdefault((item["pattern"], item["direction"], item["side"]), []).append(item)
+    known = limits(read_log("solid_tangents.jsonl"))
     rows = []
     for (name, direction, side), samples in lines.items():
         pattern = fs.named_pattern(name, scale_material=fs.RIGID)
-        kappa = [0.0, *(item["curvature"] for item in samples)]
-        data = fs.sweep(pattern, [direction], kappa, (side,), workers=1)
-        joints = data.moment.values[0, 0, 1:]
+        kappa = np.array([item["curvature"] for item in samples])
+        data = fs.sweep(pattern, [direction], [0.0, *kappa], (side,), workers=1)
+        data = data.isel(side=0, direction=0, curvature=slice(1, None))
         solid = np.array([item["moment"] for item in samples])
-        ratio = joints / solid - 1.0
-        touching = data.contact_pairs.values[0, 0, 1:] > 0
-        parts = [ratio[~touching], ratio[touching]]
+        gaps = np.array([item["min_gap"] for item in samples])
+        touches = np.array([item["contact_force"] > 0.0 for item in samples])
+        ratio = data.moment.values / solid - 1.0
+        met = onset(kappa, data.min_gap.values, data.contact_pairs.values > 0)
+        theirs = onset(kappa, gaps, touches)
+        rest = known[name, "rigid"][np.flatnonzero(DIRECTIONS == direction)[0]]
+        of_mesh = solid[0] / kappa[0] / D / rest - 1.0
+        parts = [ratio[~touches], ratio[touches]]
         said = [f"{100 * p.min():+.1f} to {100 * p.max():+.1f}" if len(p) else "" for p in parts]
-        rows.append([name, f"{direction:g}", side, str(len(samples)), *said])
-    head = ["pattern", "direction", "side", "samples", "before contact, %", "in contact, %"]
-    return ["## Moments, joints less solid", "", *table(head, rows)] if rows else []
+        meets = (
+            ["", ""] if np.isnan(theirs) else [f"{theirs:.5f}", f"{100 * (met / theirs - 1):+.1f}"]
+        )
+        rows.append([name, f"{direction:g}", side, f"{100 * of_mesh:+.1f}", *said, *meets])
+    head = ["pattern", "direction", "side", "solid's mesh over its limit at rest, %"]
+    head += [
+        "moment before contact, %",
+        "in contact, %",
+        "onset of the solid, mm-1",
+        "of joints, %",
+    ]
+    return ["## Along lines to 0.02 mm-1, rigid scales: joints less solid", "", *table(head, rows)]
 
 
 def cost(problem: Problem, solver: fs.SolverOptions) -> tuple[float, float]:

@@ -29,6 +29,14 @@ from flexscale.homogenize.cell_model import plate_stiffness
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.problem import Problem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
+from flexscale.plotting.style import (
+    MACRO_COLOR,
+    NATIVE_COLOR,
+    PAGE_WIDTH,
+    SCALE_COLOR,
+    flexscale_style,
+    new_figure,
+)
 
 PAGES = Path(__file__).resolve().parents[1] / "results" / "reference" / "benchmarks"
 D = plate_stiffness(fs.TPU, 0.4)
@@ -112,7 +120,7 @@ def through_contact() -> list[str]:
         ratio = data.moment.values / solid - 1.0
         met = onset(kappa, data.min_gap.values, data.contact_pairs.values > 0)
         theirs = onset(kappa, gaps, touches)
-        rest = known[name, "rigid"][np.flatnonzero(DIRECTIONS == direction)[0]]
+        rest = known[name, "rigid"][np.flatnonzero(direction == DIRECTIONS)[0]]
         of_mesh = solid[0] / kappa[0] / D / rest - 1.0
         parts = [ratio[~touches], ratio[touches]]
         said = [f"{100 * p.min():+.1f} to {100 * p.max():+.1f}" if len(p) else "" for p in parts]
@@ -128,6 +136,79 @@ def through_contact() -> list[str]:
         "of joints, %",
     ]
     return ["## Along lines to 0.02 mm-1, rigid scales: joints less solid", "", *table(head, rows)]
+
+
+def shipped(kind: str, name: str) -> Any:
+    """The shell's dataset of a pattern among the reference results."""
+    registry = fs.open_registry(PAGES.parents[1])
+    return registry.one(kind=kind, pattern=name, source="reference", native="shell")
+
+
+def draw_at_rest(path: Path) -> None:
+    """Solid, joints and shell side by side, PETG scales."""
+    known = limits(read_log("solid_tangents.jsonl"))
+    around = np.arange(0.0, 181.0, 2.0)
+    with flexscale_style():
+        figure = new_figure(PAGE_WIDTH, 0.75 * PAGE_WIDTH)
+        axes = figure.subplots(3, 4, sharex=True)
+        for item, panel in zip(fs.named_patterns(), axes.flat, strict=True):
+            pattern = fs.named_pattern(item.name)
+            of_shell = TangentStiffness(
+                shipped("tangent", item.name).matrix.values, np.zeros((3, 3))
+            )
+            shell = np.asarray(of_shell.stiffness(around)) / D
+            joints = np.asarray(fs.tangent_stiffness(pattern).stiffness(around)) / D
+            panel.semilogy(around, shell, color=SCALE_COLOR, linewidth=0.8, label="shell")
+            panel.semilogy(around, joints, color=NATIVE_COLOR, label="joints")
+            panel.semilogy(DIRECTIONS, known[item.name, "PETG"], "o", color=MACRO_COLOR,
+                           markersize=2.5, label="solid")  # fmt: skip
+            panel.set_title(item.name.replace("_", " "))
+            panel.set_xticks([0.0, 45.0, 90.0, 135.0, 180.0])
+            panel.set_ylim(5.0, 15000.0)
+        for panel in axes[-1]:
+            panel.set_xlabel("direction [°]")
+        for panel in axes[:, 0]:
+            panel.set_ylabel("stiffness at rest [D]")
+        figure.legend(
+            *axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=3
+        )
+        figure.savefig(path, dpi=150)
+
+
+def draw_lines(path: Path) -> None:
+    """Moments against curvature along the lines of the solid, rigid scales; the shell's are of
+    PETG."""
+    lines: dict[tuple[str, float], dict[str, list[dict[str, Any]]]] = {}
+    for item in read_log("solid_lines.jsonl"):
+        sides = lines.setdefault((item["pattern"], item["direction"]), {})
+        sides.setdefault(item["side"], []).append(item)
+    kappa = np.linspace(0.0, 0.02, 21)
+    with flexscale_style():
+        figure = new_figure(PAGE_WIDTH, 0.62 * PAGE_WIDTH)
+        for k, ((name, direction), sides) in enumerate(lines.items()):
+            axes = figure.add_subplot(2, 4, k + 1)
+            pattern = fs.named_pattern(name, scale_material=fs.RIGID)
+            data = fs.sweep(pattern, [direction], kappa.tolist(), workers=1)
+            shell = shipped("sweep", name)
+            for side, style in (("closing", "-"), ("opening", "--")):
+                thin = shell.moment.sel(side=side, direction=direction)
+                thin = thin.sel(curvature=thin["curvature"] <= 0.02)
+                axes.plot(thin["curvature"], thin, style, color=SCALE_COLOR, linewidth=0.8,
+                          label=f"shell, {side}")  # fmt: skip
+                axes.plot(kappa, data.moment.sel(side=side, direction=direction), style,
+                          color=NATIVE_COLOR, label=f"joints, {side}")  # fmt: skip
+                axes.plot([s["curvature"] for s in sides[side]], [s["moment"] for s in sides[side]],
+                          "o" if side == "closing" else "s", color=MACRO_COLOR, markersize=2.5,
+                          label=f"solid, {side}")  # fmt: skip
+            axes.set_title(f"{name}, {direction:g}°")
+            axes.set_xlabel("curvature [mm$^{-1}$]")
+            axes.set_ylabel("moment [N]")
+            axes.set_xlim(0.0, 0.021)
+            axes.set_ylim(bottom=0.0)
+        figure.legend(
+            *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=6
+        )
+        figure.savefig(path, dpi=150)
 
 
 def cost(problem: Problem, solver: fs.SolverOptions) -> tuple[float, float]:
@@ -234,6 +315,9 @@ def main() -> None:
     rows = heading("Cells on joints", __doc__ or "")
     rows += at_rest() + through_contact() + side_by_side()
     rows += characterization(arguments.full) + supercells()
+    if arguments.output:
+        draw_at_rest(arguments.output.with_name("joint_cells_at_rest.png"))
+        draw_lines(arguments.output.with_name("joint_cells_lines.png"))
     report(rows, arguments.output)
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
+    from flexscale.finite.deformed_scales import deform_native_sheet
     from flexscale.finite.native_rigs import simulate_native_mandrel, simulate_native_stage
     from flexscale.finite.native_sheet_dataset import simulate_native_sheet
     from flexscale.homogenize.native_model import NativeModel
@@ -69,6 +70,7 @@ __all__ = [
     "Tiling",
     "between",
     "contact_onset",
+    "deform_native_sheet",
     "families",
     "fit",
     "gap_model",
@@ -112,6 +114,7 @@ PUBLIC_HOMES = {
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",
     "contact_onset": "flexscale.datasets.onset",
+    "deform_native_sheet": "flexscale.finite.deformed_scales",
     "families": "flexscale.tilings",
     "fit": "flexscale.macro.fit",
     "joint_law": "flexscale.joints.library",

@@ -54,7 +54,7 @@ LIBRARY_HOMES: dict[str, set[str]] = {
     "snakemake": set(),
     "pypardiso": {"solve"},
     "ipctk": {"mechanics"},
-    "manifold3d": {"fabricate"},
+    "manifold3d": {"fabricate", "mesh/prism_surface.py"},
     "pydantic": {"steps", "datasets/record.py"},
     "h5py": {"datasets/containers.py", "datasets/container_attributes.py"},
     "typer": {"cli"},

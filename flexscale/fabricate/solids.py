@@ -59,11 +59,6 @@ def prism(area: shapely.Polygon, bottom: float, top: float) -> m3.Manifold:
     return body.warp_batch(lambda points: _with_heights(points, bottom, top))
 
 
-def triangles_of(outline: FloatArray) -> NDArray[np.int64]:
-    """(m - 2, 3) corners of triangles that fill a counterclockwise outline (m, 2)."""
-    return np.array(m3.triangulate([outline]), dtype=np.int64).reshape(-1, 3)
-
-
 def _with_heights(points: FloatArray, bottom: float, top: float) -> FloatArray:
     moved = points.copy()
     moved[:, 2] = np.where(points[:, 2] < 0.5, bottom, top)

@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexscale.checks import checked, instance, point
+from flexscale.checks import checked, having, point
 from flexscale.plotting.raster import Surfaces, View
 from flexscale.plotting.scene import draw_panel, draw_ruler, half_window
 from flexscale.plotting.style import (
@@ -26,7 +26,7 @@ _TALLEST = 0.75  # height of a picture over the width of the page
 
 
 class SurfacesOfScales(Protocol):
-    """What `fs.synthesize_scales` gives.
+    """What `fs.synthesize_scales` and `fs.deform_native_sheet` give.
 
     vertices (n, 3) mm; triangles (m, 3); triangle_scale (m,), -1 of the sheet; overlapping (k,)
     scales; title.
@@ -45,9 +45,7 @@ class SurfacesOfScales(Protocol):
 
 
 @checked(
-    shape=instance(
-        "flexscale.synthesis.scaled_sheet:ScaledSheet", "make one with fs.synthesize_scales"
-    ),
+    shape=having("write", remedy="what fs.synthesize_scales or fs.deform_native_sheet gives"),
     view=point("degree"),
 )
 def scaled_sheet(shape: SurfacesOfScales, *, view: tuple[float, float] = _VIEW) -> Figure:
@@ -55,7 +53,7 @@ def scaled_sheet(shape: SurfacesOfScales, *, view: tuple[float, float] = _VIEW) 
 
     Parameters
     ----------
-    shape : as `fs.synthesize_scales` gives it.
+    shape : as `fs.synthesize_scales` or `fs.deform_native_sheet` gives it.
     view : azimuth and elevation of the camera, degree.
 
     Returns

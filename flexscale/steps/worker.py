@@ -86,7 +86,8 @@ def _cpu_seconds() -> float:
 
 
 _FACTS = (
-    "done", "total", "n_failed", "direction", "side", "curvature", "device", "place", "unit", "seconds",
+    "done", "total", "n_failed", "seconds", "side", "direction", "curvature", "device", "place",
+    "unit",
 )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexscale.arrays import FloatArray
-from flexscale.fabricate.solids import triangles_of
+from flexscale.mesh.prism_surface import triangles_of
 
 _STRAIGHT = 1e-6  # sine of the turn to the right that still counts as straight
 _EMPTY = 1e-9  # of the outline's area: parts smaller than this are left out

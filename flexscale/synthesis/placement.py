@@ -10,8 +10,8 @@ import shapely
 from flexscale.arrays import FloatArray
 from flexscale.fabricate.layout import Layout, lay_out, moved, no_whole_scale
 from flexscale.fabricate.shapes import Rectangle
-from flexscale.fabricate.solids import triangles_of
 from flexscale.mechanics.hct import QUADRATURE_POINTS, QUADRATURE_WEIGHTS
+from flexscale.mesh.prism_surface import triangles_of
 from flexscale.patterns import Pattern
 from flexscale.sheets.bent_sheet import BentSheet
 from flexscale.short_repr import ShortRepr

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.fabricate.solids import triangles_of
 from flexscale.mechanics.hct import QUADRATURE_POINTS, QUADRATURE_WEIGHTS
+from flexscale.mesh.prism_surface import triangles_of
 from flexscale.synthesis.convex import convex_parts
 from flexscale.synthesis.placement import Placement
 
@@ -98,18 +98,3 @@ def _moments(outline: FloatArray, height: float) -> tuple[float, FloatArray, Flo
     reach = np.linalg.norm(outline - center, axis=1).max()
     radius = float(np.hypot(reach, 0.5 * height))
     return float(areas.sum() * height), np.append(center, 0.5 * height), turning, radius
-
-
-def prism_surface(outline: FloatArray, height: float) -> tuple[FloatArray, IntArray]:
-    """Closed surface of a prism: vertices (2 m, 3) mm, base first, and outward triangles (n, 3)."""
-    m = len(outline)
-    cap = triangles_of(outline)
-    here = np.arange(m)
-    there = np.roll(here, -1)
-    sides = np.concatenate(
-        [np.stack([here, there, there + m], 1), np.stack([here, there + m, here + m], 1)]
-    )
-    vertices = np.zeros((2 * m, 3))
-    vertices[:m, :2] = vertices[m:, :2] = outline
-    vertices[m:, 2] = height
-    return vertices, np.concatenate([cap[:, ::-1], cap + m, sides])

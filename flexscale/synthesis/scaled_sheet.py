@@ -14,15 +14,16 @@ from flexscale import checks
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.checks import checked, flag, instance, number, point
 from flexscale.errors import BadInputError, suggest
+from flexscale.mesh.obj import write_obj
+from flexscale.mesh.prism_surface import prism_surface
 from flexscale.mesh.vtu import write_vtu
 from flexscale.patterns import Pattern
 from flexscale.sheets.bent_sheet import BentSheet
 from flexscale.short_repr import ShortRepr
 from flexscale.status import SolveStatus
-from flexscale.synthesis.obj import write_obj
 from flexscale.synthesis.overlap import Overlap, measure_overlap
 from flexscale.synthesis.placement import LaidScale, Placement, fit_placement, lay_scales
-from flexscale.synthesis.prisms import build_parts, moments_of, prism_surface
+from flexscale.synthesis.prisms import build_parts, moments_of
 from flexscale.synthesis.remove_overlap import Removal, motion_of
 from flexscale.synthesis.remove_overlap import remove_overlap as move_apart
 from flexscale.units import LENGTHS

@@ -107,7 +107,14 @@ WRONG: dict[str, tuple[Any, dict[str, Any]]] = {
     "tangent: model": (fs.tangent_stiffness, {"model": 3}),
     "tangent: name": (fs.tangent_stiffness, {"model": "shel"}),
     "native sheet": (fs.simulate_native_sheet, {"length": "60", "width": 3, "curvatures": 0}),
+    "native sheet: model": (fs.simulate_native_sheet, {"curvatures": 0, "model": COARSE}),
+    "native sheet: end": (fs.simulate_native_sheet, {"length": 100, "curvatures": 0.07}),
     "native stage": (fs.simulate_native_stage, {"length": 60, "width": np.inf}),
+    "native stage: model": (fs.simulate_native_stage, {"model": "solid"}),
+    "native stage: offset": (fs.simulate_native_stage, {"offset": (1.0, 2.0, 3.0)}),
+    "native mandrel: hub": (fs.simulate_native_mandrel, {"radius": 20, "hub": 20}),
+    "native mandrel: angles": (fs.simulate_native_mandrel, {"angles": [0, 360]}),
+    "native mandrel: model": (fs.simulate_native_mandrel, {"model": "shell"}),
     "gap model": (fs.gap_model, {"w_biaxial": -1.0}),
     "gap model: sweep": (fs.gap_model, {"sweep": xr.Dataset(), "model": COARSE}),
 }
@@ -121,10 +128,12 @@ def test_functions_on_patterns_refuse_before_meshing(
     if case != "gap model: sweep":  # a sweep is looked at when the model is there
 
         def never(*_: Any) -> None:
-            raise AssertionError("meshed before all was checked")
+            raise AssertionError("meshed or laid before all was checked")
 
         monkeypatch.setattr("flexscale.mesh.torus.build_tile_mesh", never)
-        monkeypatch.setattr("flexscale.finite.native_sheet.clip_pattern", never)
+        monkeypatch.setattr("flexscale.homogenize.joint_cell.find_joints", never)
+        for sheet in ("native_sheet", "native_stage", "native_disc"):
+            monkeypatch.setattr(f"flexscale.finite.{sheet}.lay_pattern", never)
     with pytest.raises(FlexScaleError):
         function(fs.named_pattern("square"), **arguments)
 

@@ -14,7 +14,7 @@ import shapely
 
 import flexscale as fs
 from flexscale.fabricate import Rectangle, printable_sheet
-from flexscale.patterns.clipped import clip_pattern
+from flexscale.patterns.laid import lay_pattern, rectangle
 from flexscale.short_repr import MOST, WIDTH, ShortRepr
 
 #: Classes that hold a few numbers each: the repr of dataclasses is short.
@@ -65,7 +65,8 @@ def test_every_public_class_has_a_short_repr() -> None:
 
 def test_sheets_of_tiles_and_prints_are_told_in_a_few_lines() -> None:
     square = fs.named_pattern("square")
-    assert_short(clip_pattern(square, 30.0, 20.0), "30", "mm", "copies", "of tuple")
+    laid = lay_pattern(square, rectangle(30.0, 20.0), 45.0)
+    assert_short(laid, "45", "mm", "tiles", f"{len(laid.tiles)} of tuple", "array (4, 2)")
     sheet = printable_sheet(square, Rectangle(30.0, 20.0))
     assert_short(sheet, "PrintableSheet: Scales and substrate in place", "Rectangle")
     for part in (sheet.plan, sheet.plan.scales[0], sheet.substrate):

@@ -7,7 +7,7 @@ import pytest
 import flexscale as fs
 from flexscale.errors import MeshError
 from flexscale.mesh import build_mesh
-from flexscale.mesh.estimate import estimate_elements, require_moderate_sheet
+from flexscale.mesh.estimate import estimate_elements
 from flexscale.mesh.sheet import disc, rectangle
 
 COARSE = fs.MeshOptions(scale_layers=2, scale_size=6, scale_strips=1, across=2)
@@ -38,16 +38,6 @@ def test_meshes_of_too_many_elements_are_refused_at_once() -> None:
         )
     with pytest.raises(MeshError, match=r"triangles, more than .*now 0\.001 mm"):
         build_mesh(pattern, fs.MeshOptions(along=0.001, corner=0.001))
-    with pytest.raises(MeshError, match="give a smaller sheet"):
-        require_moderate_sheet(pattern, COARSE, 5000.0, 5000.0)
-    with pytest.raises(MeshError, match="give a smaller sheet"):
-        fs.simulate_native_stage(
-            pattern,
-            length=5000,
-            width=5000,
-            shortenings=1,
-            model=fs.NativeModel("shell", mesh=COARSE),
-        )
 
 
 def test_macro_sheets_of_too_many_triangles_are_refused_at_once() -> None:

@@ -1,23 +1,19 @@
-"""Gaps of the flat cell: closed forms, native samples, free strips."""
+"""Gaps of the flat cell: closed forms, and native samples."""
 
 from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.optimize import minimize_scalar
 
 import flexscale as fs
-from flexscale.errors import BadInputError, PatternError, UnitRangeError
-from flexscale.finite.free_strip import FreeStrip
+from flexscale.errors import BadInputError, UnitRangeError
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.flat_contact import solve_flat_contact
 from flexscale.homogenize.line import Line, follow_line
-from flexscale.patterns.strip import clip_strip
 from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)
@@ -154,87 +150,6 @@ def test_without_scales_or_contact_there_are_no_gaps() -> None:
     found = solve_flat_contact(problem)
     assert len(found) == 0
     assert found.onset(np.array([1.0, 0.0, 0.0])) == np.inf
-
-
-@pytest.mark.parametrize(
-    "curvatures",
-    [
-        (0.0025, 0.0075),
-        pytest.param((0.0025, 0.005, 0.0075), marks=pytest.mark.slow),
-    ],
-)
-def test_free_strip_curls_and_locks_as_its_flat_cell_says(
-    curvatures: tuple[float, ...],
-) -> None:
-    """Bent along 0 degree, arrowheads curl the other way across, and meet at half the curvature at
-    which those of a cell do that is held straight across."""
-    strip = FreeStrip(
-        fs.named_pattern("arrowhead"), 25.0, native=fs.NativeModel("shell", mesh=COARSE)
-    )
-    native = list(follow_line(strip, Line("closing", 0.0, (0.0, *curvatures)), SolverOptions()))[1:]
-    arrowheads = flat("arrowhead")
-    assert float(arrowheads.onset(0.0)) > 0.008
-    for sample in native:
-        assert sample["status"] == 0
-        kappa = sample["curvature"]
-        found = minimize_scalar(
-            lambda curl, k=kappa: arrowheads.tensor_energy(np.diag([k, curl])),
-            bounds=(-0.03, 0.03), method="bounded", options={"xatol": 1e-8},
-        )  # fmt: skip
-        # Of so narrow a strip, whose rows have free sides, contact is softer.
-        assert 0.8 < sample["energy_density"] / found.fun < 1.2
-        # A strip of one and a half rows does not curl evenly.
-        assert strip.curl(sample["state"]) == pytest.approx(found.x, rel=0.2, abs=3e-4)
-    assert native[0]["contact_pairs"] == 0
-    assert native[-1]["contact_pairs"] > 0
-
-
-def test_free_strip_has_the_energy_of_its_moment_whatever_its_periods() -> None:
-    pattern, kappa = fs.named_pattern("square"), 0.004
-    single, double = (
-        FreeStrip(pattern, 20.0, periods=periods, native=fs.NativeModel("shell", mesh=COARSE))
-        for periods in (1, 2)
-    )
-    line = Line("closing", 0.0, (0.0, kappa - 2e-5, kappa, kappa + 2e-5))
-    samples = list(follow_line(single, line, SolverOptions()))
-    slope = (samples[3]["energy_density"] - samples[1]["energy_density"]) / 4e-5
-    assert samples[2]["moment"] == pytest.approx(slope, rel=1e-5)
-    *_, twice = follow_line(double, Line("closing", 0.0, (0.0, kappa)), SolverOptions())
-    assert samples[2]["energy_density"] == pytest.approx(twice["energy_density"], rel=1e-9)
-    assert twice["moment"] == pytest.approx(samples[2]["moment"], rel=1e-5)
-
-
-def test_strips_are_bent_along_a_lattice_vector() -> None:
-    pattern = fs.named_pattern("square")
-    with pytest.raises(PatternError, match="No lattice vector of the pattern lies along 10 degree"):
-        FreeStrip(pattern, 20.0, 10.0, native=fs.NativeModel("shell", mesh=COARSE))
-    strip = FreeStrip(pattern, 20.0, native=fs.NativeModel("shell", mesh=COARSE))
-    with pytest.raises(BadInputError, match=r"along its length only, .* not in 90 degree"):
-        list(follow_line(strip, Line("closing", 90.0, (0.0, 0.001)), SolverOptions()))
-
-
-@pytest.mark.parametrize("width", [14.142, 28.3])
-def test_strips_find_a_place_for_the_pattern(width: float) -> None:
-    """Corners of squares that lie on the sides are moved off them, across the strip."""
-    tiles = clip_strip(fs.named_pattern("square"), width, 45.0)
-    assert len(tiles.copies) >= 2
-    away = tiles.center + np.array([50.0, 30.0])  # by lattice vectors
-    moved = clip_strip(fs.named_pattern("square"), width, 45.0, center=away)
-    assert len(moved.copies) == len(tiles.copies)
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"periods": 0}, "whole number of periods, at least 1"),
-        ({"periods": 1.5}, "whole number of periods, at least 1"),
-        ({"center": [np.nan, 0.0]}, r"is a point \(x, y\) in mm"),
-        ({"center": [1.0, 2.0, 3.0]}, r"is a point \(x, y\) in mm"),
-    ],
-)
-def test_strips_that_cannot_be_cut(given: dict[str, Any], said: str) -> None:
-    with pytest.raises(PatternError, match=said):
-        clip_strip(fs.named_pattern("square"), 25.0, **given)
 
 
 def test_an_overlap_is_allowed() -> None:

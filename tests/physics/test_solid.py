@@ -154,8 +154,8 @@ def test_what_the_memory_does_not_hold_is_refused(monkeypatch: pytest.MonkeyPatc
         fs.tangent_stiffness(square(), model=COARSE)
 
 
-def test_finite_sheets_are_shells() -> None:
-    with pytest.raises(fs.errors.ConfigError, match="of the native model 'shell', not 'solid'"):
+def test_whole_sheets_are_of_joints() -> None:
+    with pytest.raises(fs.errors.ConfigError, match=r"scales on joints, not of .* 'solid'"):
         fs.simulate_native_sheet(
             square(), length=30.0, width=30.0, curvatures=(0.001,), model=COARSE
         )

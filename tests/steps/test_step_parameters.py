@@ -1,14 +1,13 @@
 """What a recipe records is what was computed: every parameter of every step is used.
 
 Each parameter in turn gets another value; then what the step hands to the computation changes, or
-the value is refused. `physics/test_native_options.py` does the same with the options of the native
-model and the numbers that come out.
+the value is refused.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 from unittest import mock
 
@@ -25,9 +24,9 @@ from flexscale.steps.plan import build_plan
 from flexscale.steps.step import Resources
 from flexscale.tilings import Tiling
 
-CONTENT: dict[str, Any] = {
+SQUARE: dict[str, Any] = {"patterns": {"square": {"named": "square"}}}
+CONTENT: dict[str, Any] = SQUARE | {
     "native": "shell",
-    "patterns": {"square": {"named": "square"}},
     "tangent": {"directions": [0, 45]},
     "sweep": {"directions": {"start": 0, "stop": 180, "step": 15},
               "curvatures": [0, 0.002, 0.004, 0.006, 0.008, 0.01]},
@@ -38,9 +37,12 @@ CONTENT: dict[str, Any] = {
     "sheet": {"curvatures": [0, 0.01]},
     "turned_sheet": {"directions": [0, 45]},
     "rig": {"mandrel": {}, "stage": {}},
-    "native_sheet": {"curvatures": [0, 0.01]},
-    "native_rig": {"shortenings": [1]},
 }  # fmt: skip
+#: Whole sheets of scales, which stand on joints.
+WHOLE: dict[str, Any] = SQUARE | {
+    "native_sheet": {"curvatures": [0, 0.01]},
+    "native_rig": {"mandrel": {}, "stage": {"shortenings": [1]}},
+}
 #: What the steps hand their parameters to; results are made up.
 HOMOGENIZE, FINITE = "flexscale.homogenize", "flexscale.finite"
 MACRO, SHEETS = "flexscale.macro", "flexscale.sheets"
@@ -66,7 +68,8 @@ CALLED = {
             f"{SHEETS}.stage.simulate_stage",
             "flexscale.datasets.device_variables.build_rig_dataset"),
     "native_sheet": (f"{FINITE}.native_sheet_dataset.simulate_native_sheet",),
-    "native_rig": (f"{FINITE}.native_stage_dataset.simulate_native_stage",),
+    "native_rig": (f"{FINITE}.native_rigs.Progress", f"{FINITE}.native_rigs.mandrel_arrays",
+                   f"{FINITE}.native_rigs.stage_arrays", f"{FINITE}.native_rigs.rig_dataset"),
 }  # fmt: skip
 #: These compute from datasets, which hold pattern and mesh; their recipes repeat them as labels.
 FROM_DATASETS = ("fit", "sheet", "turned_sheet", "rig")
@@ -74,8 +77,10 @@ FROM_DATASETS = ("fit", "sheet", "turned_sheet", "rig")
 
 @pytest.fixture(scope="module")
 def recipes() -> dict[str, dict[str, Any]]:
-    plan = build_plan(parse_experiment(CONTENT, "file"))
-    return {job.step: dict(job.recipe.parameters) for job in plan}
+    jobs = [
+        job for asked in (WHOLE, CONTENT) for job in build_plan(parse_experiment(asked, "file"))
+    ]
+    return {job.step: dict(job.recipe.parameters) for job in jobs}
 
 
 def handed_over(name: str, parameters: dict[str, Any]) -> list[str]:
@@ -105,13 +110,17 @@ def handed_over(name: str, parameters: dict[str, Any]) -> list[str]:
 def _text(call: Any) -> str:
     _, arguments, named = call
     told = {key: value for key, value in named.items() if key != "config"}
-    return f"{[_plain(item) for item in arguments]} { {k: _plain(v) for k, v in told.items()} }"
+    return f"{_plain(arguments)} {_plain(told)}"
 
 
 def _plain(value: Any) -> str:
-    if hasattr(value, "to_config"):
-        return str(value.to_config())
-    return "made up" if isinstance(value, mock.NonCallableMock) else repr(value)
+    if isinstance(value, mock.NonCallableMock):
+        return "made up"
+    if isinstance(value, Mapping):
+        return str({key: _plain(item) for key, item in value.items()})
+    if isinstance(value, list | tuple):
+        return str([_plain(item) for item in value])
+    return str(value.to_config()) if hasattr(value, "to_config") else repr(value)
 
 
 def other_values(value: Any) -> Iterator[Any]:
@@ -147,6 +156,7 @@ def test_every_parameter_of_a_step_reaches_its_computation(
     parameters = recipes[name]
     usual = handed_over(name, parameters)
     assert usual
+    assert handed_over(name, parameters) == usual  # or nothing could be told from a change
     unread = []
     for leaf, value in leaves(parameters):
         if leaf == "pattern.name" or (
@@ -165,18 +175,12 @@ def test_every_parameter_of_a_step_reaches_its_computation(
 
 
 @pytest.mark.parametrize("name", ["native_sheet", "native_rig"])
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"substrate": {"element": "edge_angle"}}, "smooth triangles, not 'edge_angle'"),
-        ({"scales": {"model": "tets"}}, "scales of few modes, not 'tets'"),
-    ],
-)
-def test_what_finite_sheets_do_not_compute_is_refused_when_planned(
-    name: str, options: dict[str, Any], said: str
+@pytest.mark.parametrize("native", ["shell", "solid"])
+def test_whole_sheets_of_other_native_models_are_refused_when_planned(
+    name: str, native: str
 ) -> None:
-    content = {"native": "shell", "patterns": CONTENT["patterns"], name: CONTENT[name], **options}
-    with pytest.raises(ConfigError, match=said):
+    content = SQUARE | {"native": native, name: WHOLE[name]}
+    with pytest.raises(ConfigError, match=f"on joints, not of the native model '{native}'"):
         parse_experiment(content, "file.yaml")
 
 
@@ -186,7 +190,8 @@ def test_recipes_of_every_native_model_make_their_task_again(name: str, native: 
     step, pattern = STEPS[name], Pattern(Tiling("IH76"))
     options = {"solid": fs.SolidOptions(edge=0.1)} if native == "solid" else {}
     model = fs.NativeModel(native, contact=fs.ContactOptions(activation=0.01), **options)
-    block = step.block.model_validate(CONTENT[name]) if name in CONTENT else step.block()
+    asked = CONTENT | WHOLE
+    block = step.block.model_validate(asked[name]) if name in asked else step.block()
     parameters = step.parameters(pattern, model, block)
     task = step.task(parameters)
     assert task.block == block

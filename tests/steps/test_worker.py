@@ -21,7 +21,7 @@ from tests.macro.fit_samples import law_sweep
 
 def native_sheet_job() -> tuple[Plan, Job]:
     """A job without inputs, whose computation tests put another in place of."""
-    content = {"patterns": {"square": {"family": "IH76"}}, "native_sheet": {}, "native": "shell"}
+    content = {"patterns": {"square": {"family": "IH76"}}, "native_sheet": {}}
     plan = build_plan(parse_experiment(content, "file.yaml"))
     (job,) = (job for job in plan if job.step == "native_sheet")
     return plan, job

@@ -25,15 +25,17 @@ class StoppedError(Exception):
 
 @contextmanager
 def stopped_before_meshing() -> Iterator[None]:
-    """Sweeps, tangents and native sheets end where their checks are done and meshing begins."""
+    """Sweeps and tangents end where their checks are done and meshing begins, whole sheets of
+    scales where their pattern is laid."""
 
     def stop(*_: Any, **__: Any) -> Any:
         raise StoppedError
 
     places = (
         "flexscale.mesh.torus.build_tile_mesh",
-        "flexscale.finite.native_sheet.clip_pattern",
-        "flexscale.finite.native_stage_dataset.clip_pattern",
+        "flexscale.finite.native_sheet.lay_pattern",
+        "flexscale.finite.native_stage.lay_pattern",
+        "flexscale.finite.native_disc.lay_pattern",
     )
     with ExitStack() as stack:
         for place in places:
@@ -126,20 +128,27 @@ def _options() -> list[Call]:
 def _native() -> list[Call]:
     pattern = fs.named_pattern("square")
     options: dict[str, Any] = {"model": fs.NativeModel("shell", mesh=COARSE)}
-    bends: dict[str, Any] = {
-        "pattern": pattern, "curvatures": [0.0, 0.01], "sides": ("closing", "opening"),
+    joints: dict[str, Any] = {"model": fs.NativeModel(solver=fs.SolverOptions())}
+    both = ("closing", "opening")
+    bends: dict[str, Any] = {"pattern": pattern, "curvatures": [0.0, 0.01]}
+    sizes: dict[str, Any] = {
+        "length": 60.0, "width": 30.0, "direction": 0.0, "offset": (0.0, 0.0),
     }  # fmt: skip
-    sizes: dict[str, Any] = {"length": 60.0, "width": 30.0, "direction": 0.0}
     rest = {"checkpoint": None, "on_sample": None}
-    stage = {"pattern": pattern, "shortenings": [1.0, 2.0], "sides": ("closing",)}
+    whole = joints | rest | {"pattern": pattern}
     return [
         Call("sweep", fs.sweep,
              bends | options | rest
-             | {"directions": [0.0, 45.0], "symmetry": True, "workers": 1}, 6),
+             | {"sides": both, "directions": [0.0, 45.0], "symmetry": True, "workers": 1}, 6),
         Call("tangent_stiffness", fs.tangent_stiffness,
              options | {"pattern": pattern}, 2),
-        Call("simulate_native_sheet", fs.simulate_native_sheet, bends | sizes | options | rest, 3),
-        Call("simulate_native_stage", fs.simulate_native_stage, stage | sizes | options | rest, 3),
+        Call("simulate_native_sheet", fs.simulate_native_sheet,
+             whole | bends | sizes | {"side": both}, 3),
+        Call("simulate_native_stage", fs.simulate_native_stage,
+             whole | sizes | {"shortenings": [1.0, 2.0], "sides": ("closing",)}, 3),
+        Call("simulate_native_mandrel", fs.simulate_native_mandrel,
+             whole | {"radius": 30.0, "hub": 10.0, "indentation": 2.0, "angles": [0.0, 45.0],
+                      "sides": both}, 3),
         Call("gap_model", fs.gap_model,
              options | {"pattern": pattern, "w_biaxial": 0.0}, 2),
     ]  # fmt: skip

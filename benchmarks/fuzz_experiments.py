@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +27,7 @@ from flexscale.steps.worker import run_job
 
 COARSE = {"scale_layers": 2, "scale_size": 6.0, "scale_strips": 1, "across": 2}
 SQUARE = [[0, 0], [10, 0], [10, 10], [0, 10]]
-#: Every block, small enough to be planned at once.
-FULL: dict[str, Any] = {
+_COMMON: dict[str, Any] = {
     "patterns": {
         "squares": {"family": "IH76", "gap": "0.4 mm", "scale_material": "PETG"},
         "bent": {"named": "chevron", "tile_area": "1 cm2"},
@@ -35,12 +35,8 @@ FULL: dict[str, Any] = {
                 "substrate_material": {"young_modulus": 12, "poisson_ratio": 0.45}},
         "curved": {"family": "IH64", "parameters": [-0.2], "edges": {"b": [[0, 0], [0.5, 0.1]]}},
     },
-    "native": "shell",
-    "mesh": dict(COARSE),
     "contact": {"activation": 0.005, "edge": "0.4 mm"},
     "solver": {"tolerance": 1e-9, "max_iterations": 60},
-    "scales": {"model": "modes", "cutoff": 0.01},
-    "substrate": {"element": "c1"},
     "tangent": {"directions": [0, 45, 90]},
     "sweep": {"sides": ["closing", "opening"], "symmetry": True,
               "directions": {"start": 0, "stop": 180, "step": 15},
@@ -48,17 +44,31 @@ FULL: dict[str, Any] = {
     "fit": {"weighting": "relative", "variant": "tangent", "w_biaxial": 100.0},
     "shape": [{"side": "closing", "direction": 0, "curvature": 0.01}],
     "gap_model": {"softened": True, "w_biaxial": 100.0, "directions": [0, 45]},
-    "joint": {"rigid": True, "groove": False},
     "sheet": {"model": "fit", "length": 100, "width": 50, "curvatures": [0, 0.01], "direction": 0,
               "size": 10},
     "turned_sheet": {"length": 100, "width": 50, "curvature": 0.02, "directions": [0, 90],
                      "sides": ["closing"], "size": 10},
     "rig": {"sides": ["closing"], "size": 10, "stage": {"shortenings": [1, 2]},
              "mandrel": {"radius": 100, "hub": 10, "indentation": 5, "angles": [0, 90]}},
-    "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01]},
-    "native_rig": {"length": 60, "width": 30, "shortenings": [1]},
     "figures": ["polar", "tangent", "fit"],
 }  # fmt: skip
+#: Every block of two native models, small enough to be planned at once.
+FULL: tuple[dict[str, Any], ...] = (
+    _COMMON | {
+        "native": "joints",
+        "joint": {"groove": True},
+        "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01]},
+        "native_rig": {"sides": ["closing"], "stage": {"length": 60, "shortenings": [1]},
+                       "mandrel": {"radius": 60, "hub": 10, "angles": [0, 90]}},
+    },
+    _COMMON | {
+        "native": "shell",
+        "mesh": dict(COARSE),
+        "scales": {"model": "modes", "cutoff": 0.01},
+        "substrate": {"element": "c1"},
+        "joint": {"groove": False},
+    },
+)  # fmt: skip
 #: What is computed in seconds.
 SMALL: dict[str, Any] = {
     "patterns": {"squares": {"family": "IH76", "gap": 0.4, "scale_height": 4.0}},
@@ -122,8 +132,9 @@ def _change_somewhere(content: Any, chance: random.Random) -> None:
         holder.insert(key, holder[key])
 
 
-def mutated_file(base: dict[str, Any], chance: random.Random) -> bytes:
-    """Bytes of an experiment file with mistakes in its content, its text, or its bytes."""
+def mutated_file(bases: Sequence[dict[str, Any]], chance: random.Random) -> bytes:
+    """Bytes of one of some experiments with mistakes in its content, its text, or its bytes."""
+    base = chance.choice(bases)
     data = yaml.safe_dump(mutated_content(base, chance), allow_unicode=True).encode()
     if chance.random() < 0.7:
         return data

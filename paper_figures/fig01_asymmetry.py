@@ -30,12 +30,19 @@ from flexscale.plotting.style import PAGE_WIDTH, add_note, flexscale_style, new_
 PATTERNS = {"hexagon": "IH20", "square": "IH76", "arrowhead": "IH69", "fish_scale": "IH68"}
 BENT = "hexagon"
 SIDE, CURVATURE = "closing", 0.015
-_COMMAND = "flexscale run workflows/named_patterns.yaml"
+_SHELL = "flexscale run workflows/named_patterns.yaml"
+_PRINTED = "flexscale run workflows/printed.yaml"
 
 NEEDS = {
-    f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern})
-    for pattern, family in PATTERNS.items()
-    for kind in ("cell", "sweep", "fit")
+    **{
+        f"{pattern}_cell": Need("cell", _SHELL, {"family": family, "pattern": pattern})
+        for pattern, family in PATTERNS.items()
+    },
+    **{
+        f"{pattern}_{kind}": Need(kind, _PRINTED, {"family": family, "pattern": pattern}, "joints")
+        for pattern, family in PATTERNS.items()
+        for kind in ("sweep", "fit")
+    },
 }
 NEEDS["shape"] = Need(
     "shape",

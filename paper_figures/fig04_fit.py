@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from flexscale.plotting.figure_scripts import Need
 from flexscale.plotting.fits import fit
 
-_COMMAND = "flexscale run workflows/named_patterns.yaml"
+_COMMAND = "flexscale run workflows/printed.yaml"
 _PATTERN = {"family": "IH20", "pattern": "hexagon"}
 
-NEEDS = {kind: Need(kind, _COMMAND, _PATTERN) for kind in ("fit", "sweep")}
+NEEDS = {kind: Need(kind, _COMMAND, _PATTERN, "joints") for kind in ("fit", "sweep")}
 CAPTION = (
     "Stiffness before and after contact and contact curvature against direction, with their "
     "circular harmonics, and energy and moment in the direction of first contact (after Fig. 4 of "

@@ -14,7 +14,7 @@ from flexscale.plotting.figure_scripts import Need
 _WHERE = {"family": "IH20", "pattern": "hexagon"}
 
 NEEDS = {
-    "sweep": Need("sweep", "flexscale run workflows/named_patterns.yaml", _WHERE),
+    "sweep": Need("sweep", "flexscale run workflows/printed.yaml", _WHERE, "joints"),
     "shape": Need("shape", "flexscale run workflows/paper_shapes.yaml", _WHERE),
 }
 CAPTION = (

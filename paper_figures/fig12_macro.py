@@ -24,13 +24,20 @@ from flexscale.plotting.scene import draw_pattern
 from flexscale.plotting.selection import pick_values, subject
 from flexscale.plotting.style import PAGE_WIDTH, add_note, flexscale_style, moment_label, new_figure
 
-_COMMAND = "flexscale run workflows/named_patterns.yaml"
+_SHELL = "flexscale run workflows/named_patterns.yaml"
+_PRINTED = "flexscale run workflows/printed.yaml"
 PATTERNS = {"hexagon": "IH20", "square": "IH76", "chevron": "IH64", "threefold": "IH07"}
 
 NEEDS = {
-    f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern})
-    for pattern, family in PATTERNS.items()
-    for kind in ("cell", "sweep", "fit")
+    **{
+        f"{pattern}_cell": Need("cell", _SHELL, {"family": family, "pattern": pattern})
+        for pattern, family in PATTERNS.items()
+    },
+    **{
+        f"{pattern}_{kind}": Need(kind, _PRINTED, {"family": family, "pattern": pattern}, "joints")
+        for pattern, family in PATTERNS.items()
+        for kind in ("sweep", "fit")
+    },
 }
 CAPTION = (
     "Native-scale simulations and the macro model: bending moment against bending direction when "

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from flexscale.checks import require_choice
 from flexscale.cli.options import Force, Json, Quiet, Results
 from flexscale.errors import ConfigError, IntegrityError, NonReproducibleError
 
@@ -88,12 +89,16 @@ def findings(
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Verdicts only, without each pattern's numbers.")
     ] = False,
+    native: Annotated[
+        str, typer.Option(help="Whose datasets: of the paper's shell, or of joints.")
+    ] = "shell",
 ) -> None:
     """Hold what the paper's Sec. 4.2 says against the datasets, with verdicts and numbers."""
     from flexscale.findings.table import all_findings, findings_text
     from flexscale.steps.paper import paper_datasets
 
-    found = all_findings(paper_datasets(_open(results)))
+    require_choice(native, "native model", ("shell", "joints"))
+    found = all_findings(paper_datasets(_open(results)), native)
     if json:
         _print_json([finding.to_dict() for finding in found])
     else:

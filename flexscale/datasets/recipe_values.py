@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from flexscale.datasets.entry import Entry
@@ -32,6 +33,19 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
             yield from leaves(item, f"{key}.{name}" if key else str(name))
     else:
         yield key, value
+
+
+#: The native model that is meant where nobody says which.
+USUAL_MODEL = "joints"
+
+
+def native_of(folder: Path) -> str:
+    """The native model in the recipe of a dataset's folder; "" if it names none, or cannot be
+    read."""
+    try:
+        return str(read_record(folder)["recipe"]["parameters"].get("native", ""))
+    except DatasetError:
+        return ""
 
 
 def with_parameter(entries: Iterable[Entry], name: str, wanted: Any) -> list[Entry]:

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any, overload
 
 from flexscale.checks import checked, text
 from flexscale.datasets.entry import COLUMNS, LOCAL, PROPERTIES, REFERENCE, Entry
-from flexscale.datasets.recipe_values import SAME, differing_parameters, with_parameter
+from flexscale.datasets.recipe_values import (
+    SAME,
+    USUAL_MODEL,
+    differing_parameters,
+    native_of,
+    with_parameter,
+)
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.errors import MissingDataError, UnitRangeError, UnknownNameError, suggest
 from flexscale.units import require_finite
@@ -151,7 +157,7 @@ class Selection(Sequence[Entry]):
             raise UnknownNameError(f"No dataset has {column} {value!r}. {suggest(value, known)}")
 
     def one(self) -> Entry:
-        """The only dataset of the choice.
+        """The only dataset of the choice; of several native models, that of the default one.
 
         Raises
         ------
@@ -159,9 +165,19 @@ class Selection(Sequence[Entry]):
         """
         if len(self._entries) == 1:
             return self._entries[0]
+        usual = self._of_usual_model()
+        if len(usual) == 1:
+            return usual[0]
         if not self._entries:
             raise MissingDataError("No dataset meets all criteria; loosen them, or compute it.")
         raise MissingDataError(self._choices())
+
+    def _of_usual_model(self) -> list[Entry]:
+        """Those of the default native model, where the choice is between models."""
+        models = {entry.id: native_of(entry.folder) for entry in self._entries}
+        if len(set(models.values())) < 2:
+            return []
+        return [entry for entry in self._entries if models[entry.id] == USUAL_MODEL]
 
     def _choices(self) -> str:
         """What tells the datasets of the choice apart, to be added to the criteria."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from flexscale.datasets.recipe_values import native_of
 from flexscale.errors import MissingDataError
 from flexscale.findings.symmetry import DirectionSymmetry, direction_symmetry
 from flexscale.sides import SIDES
@@ -34,8 +35,8 @@ class PatternData:
         return direction_symmetry(self.sweep)
 
 
-def collect(registry: Registry) -> list[PatternData]:
-    """All patterns with a sweep, a tangent and a cell, by name.
+def collect(registry: Registry, native: str = "shell") -> list[PatternData]:
+    """All patterns with a sweep and a tangent of a native model, and a cell, by name.
 
     Where datasets are shipped, only these count: findings are on the paper's patterns.
 
@@ -50,7 +51,11 @@ def collect(registry: Registry) -> list[PatternData]:
     for name in sorted({entry.row["pattern"] for entry in stored.find(kind="sweep")}):
         chosen = {}
         for kind in KINDS:
-            entries = stored.find(kind=kind, pattern=name)
+            entries = [
+                entry
+                for entry in stored.find(kind=kind, pattern=name)
+                if kind == "cell" or native_of(entry.folder) == native
+            ]
             if len(entries) > 1:
                 ids = ", ".join(entry.id for entry in entries)
                 raise MissingDataError(
@@ -65,8 +70,9 @@ def collect(registry: Registry) -> list[PatternData]:
             found.append(PatternData(name, **data))
     if not found:
         raise MissingDataError(
-            f"No pattern in {registry.root} has a sweep, a tangent and a cell; make them with: "
-            "flexscale run workflows/named_patterns.yaml"
+            f"No pattern in {registry.root} has a sweep and a tangent of the {native}, and a cell; "
+            "make them with: flexscale run workflows/named_patterns.yaml (the shell), or "
+            "workflows/printed.yaml (joints)"
         )
     return found
 

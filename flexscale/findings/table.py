@@ -31,14 +31,18 @@ FINDINGS: tuple[Callable[[Sequence[PatternData]], Finding], ...] = (
 )
 
 
-def all_findings(registry: Registry) -> list[Finding]:
+def all_findings(registry: Registry, native: str = "shell") -> list[Finding]:
     """Every finding on all patterns of a registry that have a sweep, a tangent and a cell.
+
+    Parameters
+    ----------
+    native : the native model whose datasets are judged.
 
     Raises
     ------
     MissingDataError : there are none, or several datasets of a kind for one pattern.
     """
-    patterns = collect(registry)
+    patterns = collect(registry, native)
     return [finding(patterns) for finding in FINDINGS]
 
 

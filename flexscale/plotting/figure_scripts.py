@@ -30,14 +30,17 @@ class Need:
     kind : dataset kind, for instance "sweep".
     command : what the user types to make it.
     where : values its catalog row must have, for instance {"pattern": "hexagon"}.
+    native : the native model that it is of; "" for any.
     """
 
     kind: str
     command: str
     where: Mapping[str, str] = field(default_factory=dict)
+    native: str = "shell"
 
     def __str__(self) -> str:
-        return " ".join([self.kind, *self.where.values()])
+        of = [f"of the {self.native}"] if self.native else []
+        return " ".join([self.kind, *self.where.values(), *of])
 
 
 @dataclass(frozen=True)

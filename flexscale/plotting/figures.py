@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import xarray as xr
 
+from flexscale.datasets.recipe_values import native_of
 from flexscale.errors import MissingDataError
 from flexscale.plotting.figure_scripts import FigureScript, Need
 from flexscale.plotting.saving import save_figure
@@ -131,9 +132,10 @@ def _resolve(
 
 
 def _fits(entry: StoredDataset, need: Need) -> bool:
-    return entry.kind == need.kind and all(
+    alike = entry.kind == need.kind and all(
         str(entry.row.get(key)) == str(value) for key, value in need.where.items()
     )
+    return alike and need.native in ("", native_of(entry.folder))
 
 
 def _made_from(script: FigureScript, sources: Iterable[Mapping[str, str]]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -88,22 +89,31 @@ def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
     return figure
 
 
-def mandrels(tests: Sequence[xr.Dataset], side: str, columns: int = 3) -> Figure:
-    """Forces around the mandrel to one side, one panel a rig dataset.
+def mandrels(tests: Sequence[tuple[xr.Dataset, xr.Dataset]], side: str, columns: int = 3) -> Figure:
+    """Forces around the mandrel to one side, one panel a pattern.
+
+    Parameters
+    ----------
+    tests : datasets of kinds native_rig and rig; the latter's curve is thin.
 
     Raises
     ------
     SchemaError : a dataset without the mandrel.
     """
-    for dataset in tests:
+    for dataset in itertools.chain(*tests):
         require_variables(dataset, _NEEDED["mandrel"], "A figure of the mandrel")
     rows = -(-len(tests) // columns)
     with flexscale_style():
         figure = new_figure(PAGE_WIDTH, 0.41 * PAGE_WIDTH * rows)
         notes: list[str] = []
-        for k, dataset in enumerate(tests):
+        for k, (dataset, macro) in enumerate(tests):
             axes = polar_axes(figure, (rows, columns, k + 1))
             notes += draw_mandrel(axes, dataset, pick_sides(dataset, side))
+            thin = macro["mandrel_force"].sel(side=side).values.astype(float)
+            turn = np.radians(macro["angle"].values)
+            axes.plot([*turn, turn[0]], [*thin, thin[0]], color=SCALE_COLOR, linewidth=0.7)
+            largest = float(np.nanmax([*thin, *dataset["mandrel_force"].sel(side=side).values]))
+            set_radius(axes, 1.06 * largest)
             label = axis_label(dataset["mandrel_force"])
             axes.set_title(f"{subject(dataset)}, {side}\n{label}")
         add_note(figure, list(dict.fromkeys(notes)))

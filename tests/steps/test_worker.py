@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,52 @@ def test_a_native_sheet_goes_on_from_the_samples_it_has_kept(
         with pytest.raises(Stopped):
             run_job(plan, job, Store(tmp_path), 1, EventWriter(None))
     assert seen == [[], [{"energy": 1.0}]]
+
+
+class StoppingWriter(EventWriter):
+    """Ends the process, as it were, when so many samples are finished."""
+
+    def __init__(self, last: int) -> None:
+        super().__init__(None)
+        self.last = last
+        self.places: list[tuple[str, float, str]] = []
+
+    def write(self, event: str, job: str, **facts: Any) -> None:
+        if event == "sample":
+            self.places.append((facts["device"], facts["place"], facts["unit"]))
+            if facts["done"] == self.last:
+                raise Stopped
+
+
+def test_a_rig_of_scales_goes_on_to_the_last_bit(tmp_path: Path) -> None:
+    """Samples that were kept in a file are as good as those of one run."""
+    content = {
+        "patterns": {"hexagon": {"family": "IH20"}},
+        "native_rig": {
+            "sides": "closing",
+            "mandrel": {"radius": 30, "indentation": 2, "angles": [0, 45]},
+            "stage": {"length": 60, "width": 30, "shortenings": [0.1, 0.5, 1.0]},
+        },
+    }
+    plan = build_plan(parse_experiment(content, "file.yaml"))
+    (job,) = (job for job in plan if job.step == "native_rig")
+    assert job.n_samples == 5
+    digests, writers = [], []
+    for name, ends in (("once", [0]), ("stopped", [1, 4, 0])):
+        store = Store(tmp_path / name)
+        for needed in plan.needed_for(job):
+            run_job(plan, needed, store, 1, EventWriter(None))
+        for last in ends:
+            writers.append(StoppingWriter(last))
+            with pytest.raises(Stopped) if last else nullcontext():
+                run_job(plan, job, store, 1, writers[-1])
+        entry = plan.stored(store)[job.id]
+        digests.append(entry.content_digest)
+        assert store.record(entry)["run"]["resumed"] == (name == "stopped")
+    assert digests[0] == digests[1]
+    places = [("mandrel", 0.0, "degree"), ("mandrel", 45.0, "degree")]
+    places += [("stage", shortening, "mm") for shortening in (0.1, 0.5, 1.0)]
+    assert [writer.places for writer in writers] == [places, places[:1], places[:4], places]
 
 
 def test_records_have_the_processor_time_of_the_step(

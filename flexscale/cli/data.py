@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexscale.checks import require_choice
 from flexscale.cli.options import Force, Json, Quiet, Results
 from flexscale.errors import ConfigError, IntegrityError, NonReproducibleError
 
@@ -94,6 +93,7 @@ def findings(
     ] = "shell",
 ) -> None:
     """Hold what the paper's Sec. 4.2 says against the datasets, with verdicts and numbers."""
+    from flexscale.checks import require_choice
     from flexscale.findings.table import all_findings, findings_text
     from flexscale.steps.paper import paper_datasets
 

@@ -10,6 +10,7 @@ import numpy as np
 from flexscale import checks
 from flexscale.checks import ANGLE, checked, function, length, series
 from flexscale.datasets.kinds.native_sheet import NATIVE_SHEET
+from flexscale.datasets.kinds.sweep import NO_CONTACT_COMMENT
 from flexscale.datasets.sheet_variables import build_sheet_dataset
 from flexscale.finite.native_sheet import NativeSheet, check_bends
 from flexscale.finite.sheet_scales import require_moderate_scales
@@ -122,4 +123,6 @@ def simulate_native_sheet(
             **sheet.facts,
         },
     )
+    if not native.contact.enabled:
+        dataset["min_gap"].attrs["comment"] = NO_CONTACT_COMMENT
     return dataset.isel(side=0) if isinstance(side, str) else dataset

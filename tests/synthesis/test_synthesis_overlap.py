@@ -9,11 +9,11 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 import flexscale as fs
+from flexscale.mesh.prism_surface import prism_surface
 from flexscale.synthesis.contact_rows import contact_rows
 from flexscale.synthesis.convex import convex_parts
 from flexscale.synthesis.overlap import close_pairs, measure_overlap
 from flexscale.synthesis.placement import Placement
-from flexscale.mesh.prism_surface import prism_surface
 from flexscale.synthesis.prisms import build_parts, moments_of
 from flexscale.synthesis.quadratic_program import solve_qp
 from flexscale.synthesis.separation import Kept, place_parts, separations

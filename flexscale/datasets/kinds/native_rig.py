@@ -7,6 +7,7 @@ import xarray as xr
 from flexscale.datasets.device_variables import DEVICE_COORDINATES, check_devices
 from flexscale.datasets.sheet_variables import COUNTS, Measured
 from flexscale.datasets.variables import SIDE, STATUS_ATTRS, Schema, Variable
+from flexscale.errors import SchemaError
 
 _COUNTS = (
     *COUNTS,
@@ -57,6 +58,8 @@ VARIABLES = {
 def _check_native_rig(dataset: xr.Dataset) -> None:
     """One device or both, each complete, with numbers exactly where it converged."""
     check_devices(dataset, "native rig", VARIABLES)
+    if "stage_status" in dataset and float(dataset["shortening"].values[0]) <= 0.0:
+        raise SchemaError("Shortenings must be positive: a flat strip carries any force.")
 
 
 NATIVE_RIG = Schema(

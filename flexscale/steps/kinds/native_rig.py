@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
@@ -41,6 +41,8 @@ class NativeStageBlock(StageBlock):
 
 class NativeRigBlock(StepBlock):
     """Scales on the testing devices, one or both."""
+
+    takes: ClassVar[tuple[str, ...]] = ("cell",)
 
     sides: Sides = declared(SIDES, "sides to bend to: closing, opening", min_length=1)
     mandrel: NativeMandrelBlock | None = declared(None, "disc on the mandrel; {} for defaults")

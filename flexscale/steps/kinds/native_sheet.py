@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -55,6 +55,8 @@ class StripsBlock(StepBlock):
 
 class NativeSheetBlock(StripsBlock):
     """A rectangular sheet of scales bent between end strips."""
+
+    takes: ClassVar[tuple[str, ...]] = ("cell",)
 
     def refuse_in(self, experiment: Experiment) -> None:
         """Native models that have no whole sheets."""

@@ -2,11 +2,11 @@
 
     python benchmarks/joint_sheets.py [--output FILE] [--largest N]
 
-First the sheet of Fig. 13, beside the macro model in the same process. Then hexagons whose far end is
-turned, which takes a moment and no force: Newton iterations before scales touch, and into contact up
-to 1,000 scales. Each size in a process of its own; times are of processor time on one thread, what
-building and analyzing takes is told apart. The shell's sheet of Fig. 13 took 1,116 s when it was last
-measured; it is no longer part of the package.
+First the sheet of Fig. 13, beside the macro model in the same process. Then hexagons whose far end
+is turned, which takes a moment and no force: Newton iterations before scales touch, and into
+contact up to 1,000 scales. Each size in a process of its own; times are of processor time on one
+thread, what building and analyzing takes is told apart. The shell's sheet of Fig. 13 took 1,116 s
+when it was last measured; it is no longer part of the package.
 """
 
 from __future__ import annotations

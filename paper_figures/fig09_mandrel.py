@@ -27,9 +27,9 @@ NEEDS = {
     for kind in ("native_rig", "rig")
 }
 CAPTION = (
-    "Discs of 100 mm radius on the mandrel, pushed by 15 mm: force against the angle, closing, of the "
-    "scales themselves every 5° and, thin, of the macro model fitted to them (after Figs. 6 and 9 of "
-    "the paper, which measured it on prints)."
+    "Discs of 100 mm radius on the mandrel, pushed by 15 mm: force against the angle, closing, of "
+    "the scales themselves every 5° and, thin, of the macro model fitted to them (after Figs. 6 "
+    "and 9 of the paper, which measured it on prints)."
 )
 PAPER_SAYS = (
     "Measured forces are in good qualitative agreement with the moments simulated behind contact; "

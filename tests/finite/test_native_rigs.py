@@ -122,9 +122,10 @@ def test_datasets_of_both_devices() -> None:
     assert stage.stage_force.dims == ("side", "shortening")
     assert (stage.stage_status == 0).all()
     told = []
+    angles = [0.0, 60.0, 90.0]
     disc = fs.simulate_native_mandrel(
-        HEXAGON, radius=40.0, hub=8.0, indentation=3.0, angles=[0.0, 60.0, 90.0], on_sample=told.append
-    )  # fmt: skip
+        HEXAGON, radius=40.0, hub=8.0, indentation=3.0, angles=angles, on_sample=told.append
+    )
     force = disc.mandrel_force.values
     assert force[:, 0] == pytest.approx(force[:, 1], rel=1e-12)  # one of them is solved
     assert abs(force[0, 2] / force[0, 0] - 1.0) > 1e-3

@@ -51,13 +51,13 @@ def test_moment_is_the_derivative_of_the_energy(ends: str) -> None:
     """Before and in contact, with one barrier."""
     sheet = small(ends)
     for sample in bend_native_sheet(sheet, (0.012, 0.019)):
-        kappa, state = sample["curvature"], sample["state"]
+        kappa = sample["curvature"]
         if sample["contact_pairs"]:
             assert sheet.contact is not None
             sheet.contact.stiffness = sample["barrier_stiffness"]
 
-        def energy(s: float, kappa: float = kappa, state: np.ndarray = state) -> float:
-            z = state + s * sample["rate"]
+        def energy(s: float, kappa: float = kappa, x: dict = sample) -> float:
+            z = x["state"] + s * x["rate"]
             bent = sheet.bent(Bend(kappa + s, 0.0))
             return solve_equilibrium(bent, z, fs.SolverOptions()).evaluation.energy / sheet.area
 

@@ -119,7 +119,8 @@ def test_only_features_within_reach_can_meet() -> None:
     for stencil in rows.stencils:
         assert near[stencil[~rows.second[stencil]]].any()
         assert near[stencil[rows.second[stencil]]].any()
-    assert rows.is_wall.sum() == 16  # four corners, base and top, before a front and a side wall each
+    # Four corners, base and top, before a front and a side wall each.
+    assert rows.is_wall.sum() == 16
     assert contact.smallest_distance(y, 1.0) == pytest.approx(0.4)
     assert contact.smallest_distance(y, 0.3) == np.inf
     assert contact.active_pairs(y) == 0

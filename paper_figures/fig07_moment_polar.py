@@ -21,7 +21,7 @@ PATTERNS = {"hexagon": "IH20", "square": "IH76", "brick": "IH17", "rhombus": "IH
 
 NEEDS = {
     **{
-        f"{pattern}_{kind}": Need(kind, _SHELL, {"family": family, "pattern": pattern})
+        f"{pattern}_{kind}": Need(kind, _SHELL, {"family": family, "pattern": pattern}, "shell")
         for pattern, family in PATTERNS.items()
         for kind in ("cell", "sweep")
     },

@@ -21,7 +21,7 @@ PATTERNS = {"chevron": "IH64", "arrowhead": "IH69", "fish_scale": "IH68", "three
 
 NEEDS = {
     **{
-        f"{pattern}_{kind}": Need(kind, _SHELL, {"family": family, "pattern": pattern})
+        f"{pattern}_{kind}": Need(kind, _SHELL, {"family": family, "pattern": pattern}, "shell")
         for pattern, family in PATTERNS.items()
         for kind in ("cell", "sweep")
     },

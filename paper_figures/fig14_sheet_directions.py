@@ -15,7 +15,7 @@ _COMMAND = "flexscale run workflows/turned_sheets.yaml"
 PATTERNS = {"chevron": "IH64", "arrowhead": "IH69", "hexagon": "IH20", "threefold": "IH07"}
 
 NEEDS = {
-    f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern})
+    f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern}, "shell")
     for pattern, family in PATTERNS.items()
     for kind in ("turned_sheet", "sweep")
 }

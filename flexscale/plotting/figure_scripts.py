@@ -36,7 +36,7 @@ class Need:
     kind: str
     command: str
     where: Mapping[str, str] = field(default_factory=dict)
-    native: str = "shell"
+    native: str = ""
 
     def __str__(self) -> str:
         of = [f"of the {self.native}"] if self.native else []

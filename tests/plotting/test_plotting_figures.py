@@ -251,7 +251,10 @@ def test_index_shows_findings_with_the_reason_of_those_that_disagree(tmp_path: P
     assert 'id="findings"' not in write_index([], tmp_path).read_text()
 
 
-def test_figure_7_draws_all_patterns_with_failures_visible(tmp_path: Path) -> None:
+def test_figure_7_draws_all_patterns_with_failures_visible(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("flexscale.plotting.figures.native_of", lambda folder: folder.name)
     squares = with_failures(two_regime_sweep(4), [("closing", 3, 10)])
     entries = []
     (script,) = find_scripts(PAPER_FIGURES, ["fig7"])
@@ -260,10 +263,14 @@ def test_figure_7_draws_all_patterns_with_failures_visible(tmp_path: Path) -> No
         row = {"family": family, "pattern": name}
         sweep = squares if name == "square" else two_regime_sweep(6)
         entries += [
-            FakeEntry("sweep", name, sweep, row),
-            FakeEntry("cell", name, flat_cell(4 if name == "square" else 6), row),
+            FakeEntry("sweep", name, two_regime_sweep(6), row, Path("shell")),
+            FakeEntry("sweep", f"{name}-printed", sweep, row, Path("joints")),
+            FakeEntry("cell", name, flat_cell(4 if name == "square" else 6), row, Path("shell")),
         ]
-    inputs = {f"{e.row['pattern']}_{e.kind}": e.dataset for e in entries}
+    inputs = {
+        f"{e.row['pattern']}_{'printed' if e.folder.name == 'joints' else e.kind}": e.dataset
+        for e in entries
+    }
     figure = script.module.draw(inputs)
     n_columns = 5
     assert len(figure.axes) == n_columns * len(script.module.PATTERNS)
@@ -278,5 +285,5 @@ def test_figure_7_draws_all_patterns_with_failures_visible(tmp_path: Path) -> No
     report = draw_figure(script, FakeRegistry(*entries), tmp_path)
     assert report.outcome == "drawn"
     assert set(report.sources) == {entry.id for entry in entries}
-    assert "square: at 0.0025 mm-1" in report.we_find[row]
+    assert "joints, square: at 0.0025 mm-1" in report.we_find[2 * row]
     assert "at 0.0225 mm-1" in report.we_find[row], "the last curvature with all samples"

@@ -20,12 +20,15 @@ from flexscale.steps.worker import run_job
 from tests.macro.fit_samples import law_sweep
 
 
-def native_sheet_job() -> tuple[Plan, Job]:
-    """A job without inputs, whose computation tests put another in place of."""
+def native_sheet_job(store: Store) -> tuple[Plan, Job, list[Entry]]:
+    """A job whose computation tests put another in place of, and its input, which is stored."""
     content = {"patterns": {"square": {"family": "IH76"}}, "native_sheet": {}}
     plan = build_plan(parse_experiment(content, "file.yaml"))
     (job,) = (job for job in plan if job.step == "native_sheet")
-    return plan, job
+    for needed in job.inputs:
+        run_job(plan, plan[needed], store, 1, EventWriter(None))
+    stored = plan.needed_for(job).stored(store)
+    return plan, job, [stored[needed] for needed in job.inputs]
 
 
 def computed_by(monkeypatch: pytest.MonkeyPatch, step: str, compute: Any) -> None:
@@ -40,7 +43,7 @@ class Stopped(Exception):
 def test_a_native_sheet_goes_on_from_the_samples_it_has_kept(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    plan, job = native_sheet_job()
+    plan, job, _ = native_sheet_job(Store(tmp_path))
     seen: list[list[dict[str, Any]]] = []
 
     def one_sample(parameters: object, inputs: object, resources: Any) -> None:
@@ -105,7 +108,8 @@ def test_records_have_the_processor_time_of_the_step(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Not the time in which the job waited."""
-    plan, job = native_sheet_job()
+    store = Store(tmp_path)
+    plan, job, inputs = native_sheet_job(store)
     records: list[dict[str, Any]] = []
 
     def busy(parameters: object, inputs: object, resources: object) -> xr.Dataset:
@@ -121,9 +125,8 @@ def test_records_have_the_processor_time_of_the_step(
 
     computed_by(monkeypatch, "native_sheet", busy)
     monkeypatch.setattr(Store, "publish", publish)
-    store = Store(tmp_path)
     run_job(plan, job, store, 1, EventWriter(None))
-    store.checkpoint(job.recipe).append("closing-0", {"energy": 1.0})
+    store.checkpoint(job.recipe, inputs).append("closing-0", {"energy": 1.0})
     run_job(plan, job, store, 1, EventWriter(None))
     assert records[1]["resumed"]
     assert not records[0]["resumed"]

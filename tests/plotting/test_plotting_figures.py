@@ -286,4 +286,4 @@ def test_figure_7_draws_all_patterns_with_failures_visible(
     assert report.outcome == "drawn"
     assert set(report.sources) == {entry.id for entry in entries}
     assert "joints, square: at 0.0025 mm-1" in report.we_find[2 * row]
-    assert "at 0.0225 mm-1" in report.we_find[row], "the last curvature with all samples"
+    assert "at 0.0225 mm-1" in report.we_find[2 * row], "the last curvature with all samples"

@@ -13,9 +13,9 @@ from flexscale.findings.table import all_findings, findings_text
 here = Path.cwd()
 results = next(p / "results" for p in (here, *here.parents) if (p / "results/reference").is_dir())
 registry = fs.open_registry(results)
-sweeps = registry.stack("pattern", kind="sweep", source="reference")
-fits = registry.stack("pattern", kind="fit", source="reference")
-tangents = registry.stack("pattern", kind="tangent", source="reference")
+sweeps = registry.stack("pattern", kind="sweep", source="reference", native="joints")
+fits = registry.stack("pattern", kind="fit", source="reference", native="joints")
+tangents = registry.stack("pattern", kind="tangent", source="reference", native="joints")
 
 # %% [markdown]
 # Softest and stiffest direction of the flat sheet, and by how much they differ:
@@ -52,5 +52,5 @@ asymmetry.to_dataframe("closing over opening")[["closing over opening"]].round(1
 # numbers of each pattern.
 
 # %%
-findings = all_findings(registry)
+findings = all_findings(registry, native="joints")
 print(findings_text(findings, evidence=False))

@@ -48,13 +48,13 @@ print(f"{unconverged} samples did not converge")
 onset[["free_until", "touches_from", "onset_spread"]].to_dataframe().round(4)
 
 # %% [markdown]
-# How much of the energy is in the substrate, and how much in the contact?
+# How much of the energy is in the joints, and how much in the contact?
 
 # %%
 energy = sweep.sel(side="closing", direction=0, curvature=[0.004, 0.03])
 parts = {
     part: (energy[f"energy_density_{part}"] / energy["energy_density"]).values.round(3)
-    for part in ("membrane", "bending", "scales", "contact")
+    for part in ("joints", "contact")
 }
 print(parts)
 

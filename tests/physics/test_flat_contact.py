@@ -33,7 +33,7 @@ def squares() -> fs.GapModel:
 
 @pytest.fixture(scope="module")
 def reference_hexagon(shipped_results: Path) -> xr.Dataset:
-    return fs.open_registry(shipped_results).one(kind="sweep", pattern="hexagon")
+    return fs.open_registry(shipped_results).one(kind="sweep", pattern="hexagon", native="shell")
 
 
 def test_squares_meet_where_rigid_blocks_on_hinges_do(squares: fs.GapModel) -> None:
@@ -80,7 +80,7 @@ def test_a_sweep_meets_where_a_late_onset_says() -> None:
 def test_onset_is_that_of_native_sweeps(name: str, shipped_results: Path) -> None:
     """Between the last sample free of contact and the first one in contact, give or take a tenth:
     the barrier acts before scales meet, and gaps turn as they close."""
-    sweep = fs.open_registry(shipped_results).one(kind="sweep", pattern=name)
+    sweep = fs.open_registry(shipped_results).one(kind="sweep", pattern=name, native="shell")
     model = flat(name)
     kappa, checked = sweep["curvature"].values, 0
     for side in ("closing", "opening"):
@@ -114,7 +114,7 @@ def test_what_a_sweep_does_not_show_is_not_fitted(
     assert opening.softening > 0.0
     assert opening.contact_softening == 0.0
     with pytest.raises(BadInputError, match="different patterns"):
-        rough.errors(fs.open_registry(shipped_results).one(kind="sweep", pattern="square"))
+        rough.errors(fs.open_registry(shipped_results).one(kind="sweep", pattern="square", native="shell"))
     bad = reference_hexagon.copy(deep=True)
     bad["moment"][0, 0, 5] = -1e-3
     assert rough.fitted(bad).softening == pytest.approx(

@@ -27,7 +27,7 @@ SHIPPED = ROOT / "results" / "reference"
 
 def publish(root: Path, kind: str, dataset: xr.Dataset, pattern: str) -> Entry:
     named = dataset.assign_coords(pattern=dataset["pattern"].copy(data=pattern))
-    recipe = Recipe(kind, 1, {"pattern": pattern, "own": True})
+    recipe = Recipe(kind, 1, {"pattern": pattern, "own": True, "native": "shell"})
     return Store(root).publish(named, kind, recipe)
 
 
@@ -36,7 +36,7 @@ def own_experiment(root: Path) -> None:
     shipped = open_registry(ROOT / "results").find(source="reference", pattern="hexagon")
     for pattern in ("hexagon", "mine"):
         for kind in ("cell", "tangent", "sweep"):
-            dataset = open_registry(ROOT / "results").load(shipped.find(kind=kind).one())
+            dataset = open_registry(ROOT / "results").load(shipped.find(kind=kind, native="shell").one())
             if kind == "sweep":
                 dataset = dataset.sel(direction=[0.0, 90.0])
             publish(root, kind, dataset, pattern)

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from flexscale.plotting.figure_scripts import Need
 from flexscale.plotting.rigs import mandrels
 
-_COMMAND = "flexscale run workflows/printed_rigs.yaml"
 PATTERNS = {
     "hexagon": "IH20",
     "square": "IH76",
@@ -21,14 +20,19 @@ PATTERNS = {
     "threefold": "IH07",
 }
 
+_KINDS = {
+    "native_rig": ("flexscale run workflows/printed_rigs.yaml", "joints"),
+    "rig": ("flexscale run workflows/paper.yaml", "shell"),
+}
+
 NEEDS = {
-    f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern}, "joints")
+    f"{pattern}_{kind}": Need(kind, command, {"family": family, "pattern": pattern}, native)
     for pattern, family in PATTERNS.items()
-    for kind in ("native_rig", "rig")
+    for kind, (command, native) in _KINDS.items()
 }
 CAPTION = (
     "Discs of 100 mm radius on the mandrel, pushed by 15 mm: force against the angle, closing, of "
-    "the scales themselves every 5° and, thin, of the macro model fitted to them (after Figs. 6 "
+    "scales on joints every 5° and, thin, of the macro model fitted to the shell (after Figs. 6 "
     "and 9 of the paper, which measured it on prints)."
 )
 PAPER_SAYS = (
@@ -49,7 +53,7 @@ def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
     """How forces vary around the disc, and where they are largest."""
     lines = []
     for pattern in PATTERNS:
-        for kind, what in (("native_rig", "scales"), ("rig", "macro model")):
+        for kind, what in (("native_rig", "scales on joints"), ("rig", "macro model of the shell")):
             force = inputs[f"{pattern}_{kind}"]["mandrel_force"].sel(side=SIDE)
             ratio = float(force.max() / force.min())
             at = float(force["angle"][int(np.nanargmax(force.values))])

@@ -108,12 +108,11 @@ def mandrels(tests: Sequence[tuple[xr.Dataset, xr.Dataset]], side: str, columns:
         notes: list[str] = []
         for k, (dataset, macro) in enumerate(tests):
             axes = polar_axes(figure, (rows, columns, k + 1))
-            notes += draw_mandrel(axes, dataset, pick_sides(dataset, side))
             thin = macro["mandrel_force"].sel(side=side).values.astype(float)
             turn = np.radians(macro["angle"].values)
             axes.plot([*turn, turn[0]], [*thin, thin[0]], color=SCALE_COLOR, linewidth=0.7)
-            largest = float(np.nanmax([*thin, *dataset["mandrel_force"].sel(side=side).values]))
-            set_radius(axes, 1.06 * largest)
+            largest = float(np.nanmax(thin, initial=0.0))
+            notes += draw_mandrel(axes, dataset, pick_sides(dataset, side), largest)
             label = axis_label(dataset["mandrel_force"])
             axes.set_title(f"{subject(dataset)}, {side}\n{label}")
         add_note(figure, list(dict.fromkeys(notes)))
@@ -158,14 +157,17 @@ def compared_stages(native: xr.Dataset, macro: Mapping[str, xr.Dataset]) -> Figu
     return figure
 
 
-def draw_mandrel(axes: PolarAxes, tests: xr.Dataset, sides: Sequence[str]) -> list[str]:
-    """Draw the force against the angle, all around; returns notes for `add_note`."""
+def draw_mandrel(
+    axes: PolarAxes, tests: xr.Dataset, sides: Sequence[str], least: float = 0.0
+) -> list[str]:
+    """Draw the force against the angle, all around, on a radius for `least` or more, N; returns
+    notes for `add_note`."""
     angles = np.deg2rad(tests["angle"].values.astype(float))
     chosen = tests[["mandrel_force", "mandrel_status"]].sel(side=list(sides))
     chosen = chosen.transpose("side", "angle")  # whatever a caller did to them
     force, failed = chosen["mandrel_force"], chosen["mandrel_status"].values != 0
     values = np.where(failed, np.nan, force.values.astype(float))
-    largest = float(np.nanmax(values, initial=0.0))
+    largest = float(np.nanmax(values, initial=least))
     radius = 1.06 * largest if largest > 0.0 else 1.0
     set_radius(axes, radius)
     ring = _closed(angles)

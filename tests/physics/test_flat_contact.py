@@ -114,7 +114,9 @@ def test_what_a_sweep_does_not_show_is_not_fitted(
     assert opening.softening > 0.0
     assert opening.contact_softening == 0.0
     with pytest.raises(BadInputError, match="different patterns"):
-        rough.errors(fs.open_registry(shipped_results).one(kind="sweep", pattern="square", native="shell"))
+        rough.errors(
+            fs.open_registry(shipped_results).one(kind="sweep", pattern="square", native="shell")
+        )
     bad = reference_hexagon.copy(deep=True)
     bad["moment"][0, 0, 5] = -1e-3
     assert rough.fitted(bad).softening == pytest.approx(

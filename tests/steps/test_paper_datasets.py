@@ -36,7 +36,8 @@ def own_experiment(root: Path) -> None:
     shipped = open_registry(ROOT / "results").find(source="reference", pattern="hexagon")
     for pattern in ("hexagon", "mine"):
         for kind in ("cell", "tangent", "sweep"):
-            dataset = open_registry(ROOT / "results").load(shipped.find(kind=kind, native="shell").one())
+            (entry,) = shipped.find(kind=kind, native="shell")
+            dataset = open_registry(ROOT / "results").load(entry)
             if kind == "sweep":
                 dataset = dataset.sel(direction=[0.0, 90.0])
             publish(root, kind, dataset, pattern)

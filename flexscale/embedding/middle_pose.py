@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from flexscale.arrays import FloatArray
-from flexscale.mechanics.jets import add_product, add_scaled, compose, constant
+from flexscale.mechanics.jets import add_product, add_scaled, compose, constant, cross
 
 N_POSE = 6  # tau and alpha of `rigid_motion`
 N_WORK = 18  # rows of jets that the kernels below work in
@@ -96,18 +96,9 @@ def middle_pose(
     v = square[0]
     compose(factor, square, 2.0 / v, -2.0 / v**2, 4.0 / v**3, n, order)
     once, twice = work[12:15], work[15:18]  # back: x + f (x x r + (x x r) x r)
-    _cross(arrow, gibbs, once, n, order)
-    _cross(once, gibbs, twice, n, order)
+    cross(arrow, gibbs, once, n, order)
+    cross(once, gibbs, twice, n, order)
     for i in range(3):
         add_scaled(twice[i], 1.0, once[i])
         out[i] = arrow[i]
         add_product(out[i], 1.0, factor, twice[i], n, order)
-
-
-@njit(cache=True, error_model="numpy")
-def _cross(a: FloatArray, b: FloatArray, out: FloatArray, n: int, order: int) -> None:
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        constant(out[i], 0.0)
-        add_product(out[i], 1.0, a[j], b[k], n, order)
-        add_product(out[i], -1.0, a[k], b[j], n, order)

@@ -16,6 +16,7 @@ from flexscale.arrays import BoolArray, FloatArray
 from flexscale.finite.joint_sheet import FLAT, JointSheet
 from flexscale.finite.sheet_scales import SheetScales
 from flexscale.homogenize.bent_joints import BentJoints, JointState
+from flexscale.homogenize.line import set_barrier
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.energy import NOTHING
 from flexscale.solve.continuation import Stepping, advance
@@ -25,7 +26,6 @@ from flexscale.status import SolveStatus
 
 _STEPPING = Stepping(smallest=1.0 / 256.0)
 _EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
-_TIGHT, _STIFFEN = 0.1, 8.0  # multiply the barrier where gaps fall below this share of d_hat
 
 #: Of a sample: what a `LoadPoint` keeps, in its order.
 KEPT = ("load", "state", "rate", "second_rate", "energy", "force")
@@ -193,12 +193,12 @@ def follow_loads(
     """
     point: LoadPoint | None = None
     status = SolveStatus.converged
-    _set_barrier(sheet, None)
+    set_barrier(sheet, None)
     for sample in finished:
         status = SolveStatus(sample["status"])
         if status == SolveStatus.converged:
             point = LoadPoint(*(sample.get(name, 0) for name in KEPT))
-            _set_barrier(sheet, sample)
+            set_barrier(sheet, sample)
     for load in loads[len(finished) :]:
         sample = {"load": load, "status": int(SolveStatus.not_run)}
         if status == SolveStatus.converged:
@@ -210,7 +210,7 @@ def follow_loads(
             sample |= _measure(sheet, point, solution)
         yield sample
         if status == SolveStatus.converged:
-            _set_barrier(sheet, sample)
+            set_barrier(sheet, sample)
 
 
 def _reach(
@@ -287,17 +287,6 @@ def _predict(sheet: DrivenSheet, point: LoadPoint, load: float) -> FloatArray | 
     if apart is not None and driven.evaluate(apart).energy <= lowest:
         return apart
     return None
-
-
-def _set_barrier(sheet: DrivenSheet, sample: dict[str, Any] | None) -> None:
-    """Stiffness of the barrier for the sample that follows; None at the start."""
-    if sheet.contact is None:
-        return
-    stiffness = sheet.barrier_stiffness
-    if sample is not None:
-        tight = sample["min_gap"] < _TIGHT * sheet.contact.activation_distance
-        stiffness = sample["barrier_stiffness"] * (_STIFFEN if tight else 1.0)
-    sheet.contact.stiffness = stiffness
 
 
 def _measure(sheet: DrivenSheet, point: LoadPoint, solution: Solution) -> dict[str, Any]:

@@ -90,7 +90,6 @@ class JointSheet(JointProblem):
     def scales_at(self, state: JointState, bend: Bend = FLAT) -> ScalesAt:
         """Where all scales are at a state."""
         sheet, scales = self.sheet, self.sheet.scales
-        n = len(sheet.bodies)
         poses = self.embedding.place_images(
             state.z, bend, np.arange(scales.n_scales), scales.anchors
         )[sheet.bodies]
@@ -110,5 +109,4 @@ class JointSheet(JointProblem):
             sizes, rows = np.linalg.norm(on_rows, axis=1), scales.rows
             np.add.at(force, scales.pairs[rows.pair, rows.table.second.astype(int)], sizes)
         share = 1.0 / members[sheet.bodies]
-        assert len(places) == n
         return ScalesAt(places, turns, of_body[sheet.bodies] * share, force[sheet.bodies] * share)

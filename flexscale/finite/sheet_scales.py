@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import psutil
 import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.rigid_cell import RigidScales, contact_reach, moments
@@ -44,9 +46,6 @@ class SheetScales:
 
     def held_together(self) -> bool:
         """Whether joints connect all bodies."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
         n = self.scales.n_scales
         a, b = self.scales.pairs[: len(self.joints)].T
         graph = coo_array((np.ones(len(a)), (a, b)), shape=(n, n))

@@ -97,3 +97,13 @@ def add_hessian(out: FloatArray, factor: float, a: FloatArray, n: int) -> None:
             out[i, j] += value
             if i != j:
                 out[j, i] += value
+
+
+@njit(cache=True, error_model="numpy")
+def cross(a: FloatArray, b: FloatArray, out: FloatArray, n: int, order: int) -> None:
+    """out (3, jet) = a x b."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        constant(out[i], 0.0)
+        add_product(out[i], 1.0, a[j], b[k], n, order)
+        add_product(out[i], -1.0, a[k], b[j], n, order)

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
-from flexscale.mechanics.jets import add_product, add_scaled, compose, constant
+from flexscale.mechanics.jets import add_product, add_scaled, compose, constant, cross
 
 N_WORK = 16  # rows of jets that `barrier_jet` works in
 PARALLEL = 1e-3  # squared sine of the angle of two edges, below which their barrier fades
@@ -146,15 +146,6 @@ def _combine(weights: FloatArray, rows: FloatArray, out: FloatArray) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _cross(a: FloatArray, b: FloatArray, out: FloatArray, n: int, order: int) -> None:
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        constant(out[i], 0.0)
-        add_product(out[i], 1.0, a[j], b[k], n, order)
-        add_product(out[i], -1.0, a[k], b[j], n, order)
-
-
-@njit(cache=True, error_model="numpy")
 def _inner(a: FloatArray, b: FloatArray, out: FloatArray, n: int, order: int) -> None:
     constant(out, 0.0)
     for i in range(3):
@@ -211,7 +202,7 @@ def barrier_jet(
         # The nearest point may be any fixed one of the line.
         _combine(shares, rows, arrow)
         _combine(weights, rows, u)
-        _cross(arrow, u, normal, n, order)
+        cross(arrow, u, normal, n, order)
         _inner(normal, normal, one, n, order)
         _inner(u, u, two, n, order)
         _ratio(one, two, part, distance, n, order)
@@ -226,7 +217,7 @@ def barrier_jet(
             weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
         _combine(weights, rows, v)
         _combine(shares, rows, arrow)
-        _cross(u, v, normal, n, order)
+        cross(u, v, normal, n, order)
         _inner(arrow, normal, part, n, order)
         constant(one, 0.0)
         add_product(one, 1.0, part, part, n, order)
@@ -244,7 +235,7 @@ def barrier_jet(
         _combine(weights, rows, u)
         weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, -1.0, 1.0
         _combine(weights, rows, v)
-        _cross(u, v, normal, n, order)
+        cross(u, v, normal, n, order)
         _inner(normal, normal, one, n, order)
         _inner(u, u, part, n, order)
         _inner(v, v, distance, n, order)

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import subprocess
 import sys
 import time
@@ -20,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from report import heading, report, table
+from report import heading, peak_memory, report, table
 
 import flexscale as fs
 from flexscale.arrays import BoolArray, FloatArray
@@ -277,10 +276,7 @@ def supercell(n: int) -> dict[str, float]:
     for sample in follow_line(problem, line, fs.SolverOptions()):
         iterations += sample["newton_iterations"]
     ms = 1e3 * (time.process_time() - start) / iterations
-    # Not of getrusage, which counts the process that this one was forked from.
-    status = Path("/proc/self/status").read_text()
-    memory = int(re.findall(r"VmHWM:\s+(\d+) kB", status)[0]) / 1024.0
-    return {"scales": n * n, "unknowns": len(problem.active), "ms": ms, "memory": memory}
+    return {"scales": n * n, "unknowns": len(problem.active), "ms": ms, "memory": peak_memory()}
 
 
 def supercells() -> list[str]:

@@ -13,14 +13,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
-from report import heading, report, table
+from report import heading, peak_memory, report, table
 
 import flexscale as fs
 from flexscale.finite.native_sheet import NativeSheet, bend_native_sheet
@@ -30,12 +29,6 @@ BEFORE = (0.001, 0.002, 0.003)  # mm-1, hexagons touch at 0.009
 INTO = (0.009, 0.01, 0.011, 0.012)
 MOST_IN_CONTACT = 1_000
 FIG_13 = tuple(np.linspace(0.0025, 0.025, 10))
-
-
-def peak_memory() -> float:
-    """MB, of this process, not of the one that it was forked from."""
-    status = Path("/proc/self/status").read_text()
-    return int(re.findall(r"VmHWM:\s+(\d+) kB", status)[0]) / 1024.0
 
 
 def measure(n_scales: int) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 
 import flexscale as fs
@@ -42,3 +43,9 @@ def report(rows: list[str], output: Path | None) -> None:
     if output:
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text("\n".join(rows) + "\n")
+
+
+def peak_memory() -> float:
+    """MB, of this process, not of the one that it was forked from."""
+    status = Path("/proc/self/status").read_text()
+    return int(re.findall(r"VmHWM:\s+(\d+) kB", status)[0]) / 1024.0

@@ -6,27 +6,25 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
 from flexscale import checks
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.checks import ANGLE, checked, length, number
-from flexscale.errors import BadInputError, suggest
+from flexscale.errors import BadInputError
 from flexscale.finite.native_sheet import NativeSheet, check_bends
 from flexscale.finite.sheet_scales import require_moderate_scales
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel, native_model, require_joints
 from flexscale.mesh.obj import write_obj
 from flexscale.mesh.prism_surface import prism_surface
+from flexscale.mesh.surface_file import surface_file
 from flexscale.mesh.vtu import write_vtu
 from flexscale.patterns.pattern import Pattern
 from flexscale.short_repr import ShortRepr
 from flexscale.sides import ONE_SIDE
 from flexscale.status import SolveStatus
-
-SUFFIXES = (".obj", ".vtu")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -102,18 +100,8 @@ class DeformedScales(ShortRepr):
         ------
         BadInputError : another ending, or a folder that does not exist.
         """
-        target = Path(path)
-        if target.suffix not in SUFFIXES:
-            raise BadInputError(
-                f"The name of the file {target} must end in .obj or .vtu. "
-                f"{suggest(target.suffix, SUFFIXES)}"
-            )
-        if not target.parent.is_dir():
-            raise BadInputError(
-                f"There is no folder {target.parent}: create it, or name another one."
-            )
         of = self.triangle_scale
-        try:
+        with surface_file(path) as target:
             if target.suffix == ".obj":
                 parts = {f"scale_{k}": self.triangles[of == k] for k in range(self.n_scales)}
                 write_obj(target, self.vertices, parts)
@@ -125,8 +113,6 @@ class DeformedScales(ShortRepr):
                     {"triangle": self.triangles},
                     cell_data={"scale": of, **data},
                 )
-        except OSError as error:
-            raise BadInputError(f"{target} cannot be written: {error.strerror}.") from error
 
 
 @checked(

@@ -13,9 +13,10 @@ import numpy as np
 from flexscale import checks
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.checks import checked, flag, instance, number, point
-from flexscale.errors import BadInputError, suggest
+from flexscale.errors import BadInputError
 from flexscale.mesh.obj import write_obj
 from flexscale.mesh.prism_surface import prism_surface
+from flexscale.mesh.surface_file import surface_file
 from flexscale.mesh.vtu import write_vtu
 from flexscale.patterns import Pattern
 from flexscale.sheets.bent_sheet import BentSheet
@@ -29,8 +30,6 @@ from flexscale.synthesis.remove_overlap import remove_overlap as move_apart
 from flexscale.units import LENGTHS
 
 log = logging.getLogger(__name__)
-
-SUFFIXES = (".obj", ".vtu")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,20 +127,8 @@ class ScaledSheet(ShortRepr):
         ------
         BadInputError : another ending, or a folder that does not exist.
         """
-        target = Path(path)
-        if target.suffix not in SUFFIXES:
-            raise BadInputError(
-                f"The name of the file {target} must end in .obj or .vtu. "
-                f"{suggest(target.suffix, SUFFIXES)}"
-            )
-        if not target.parent.is_dir():
-            raise BadInputError(
-                f"There is no folder {target.parent}: create it, or name another one."
-            )
-        try:
+        with surface_file(path) as target:
             self._write(target)
-        except OSError as error:
-            raise BadInputError(f"{target} cannot be written: {error.strerror}.") from error
 
     def _write(self, target: Path) -> None:
         if target.suffix == ".obj":

@@ -10,15 +10,14 @@ import shapely
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
-from flexscale.embedding.pair_kernels import (
+from flexscale.embedding.pair_places import (
     Bending,
     Pairs,
     place_pairs,
     place_rows,
     place_scales,
-    pull_forces,
-    row_rates,
 )
+from flexscale.embedding.pair_rates import pull_forces, row_rates
 from flexscale.embedding.rigid_motion import N_MOTION, N_VARIABLES, OF_B, OF_S
 from flexscale.mechanics.prism_contact import PrismRows, find_prism_rows
 from flexscale.patterns.cell import polygon_area

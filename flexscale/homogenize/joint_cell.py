@@ -9,7 +9,7 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
-from flexscale.embedding.pair_kernels import all_openings
+from flexscale.embedding.joint_kernels import all_openings
 from flexscale.embedding.rigid_cell import RigidCell, find_rigid_scales
 from flexscale.errors import PatternError
 from flexscale.homogenize.joint_display import JointDisplay

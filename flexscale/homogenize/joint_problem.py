@@ -9,7 +9,8 @@ import numpy as np
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
-from flexscale.embedding.pair_kernels import SLOTS, Stations, all_openings, assemble
+from flexscale.embedding.joint_kernels import Stations, all_openings
+from flexscale.embedding.pair_kernels import SLOTS, assemble
 from flexscale.embedding.rigid_cell import RigidCell, RigidScales, RigidWorld
 from flexscale.embedding.rigid_motion import N_VARIABLES
 from flexscale.homogenize.bent_joints import BentJoints, JointState

@@ -8,7 +8,7 @@ from numba import njit
 from flexscale.arrays import FloatArray
 from flexscale.mechanics.jets import add_product, add_scaled, compose, constant, cross
 
-N_POSE = 6  # tau and alpha of `rigid_motion`
+N_POSE = 6  # tau and alpha of `relative_pose`
 N_WORK = 18  # rows of jets that the kernels below work in
 
 

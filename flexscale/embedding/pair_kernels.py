@@ -15,11 +15,13 @@ from flexscale.embedding.joint_kernels import Stations, joint_energy
 from flexscale.embedding.middle_pose import N_POSE, middle_pose, place_jets, turn_jets
 from flexscale.embedding.middle_pose import N_WORK as N_MIDDLE
 from flexscale.embedding.pair_places import Bending, Pairs, new_posing, set_pose, unknown_of
-from flexscale.embedding.rigid_motion import N_VARIABLES, OF_S, add_pose_bends
+from flexscale.embedding.relative_pose import add_pose_bends
+from flexscale.embedding.rigid_motion import N_VARIABLES, OF_S
 from flexscale.mechanics.jets import add_hessian, jet_length
 from flexscale.mechanics.joint_law import LawTable
+from flexscale.mechanics.prism_candidates import Candidates, Memory, moved_since
 from flexscale.mechanics.prism_kernels import N_WORK as N_BARRIER
-from flexscale.mechanics.prism_kernels import Candidates, Memory, barrier_jet, moved_since
+from flexscale.mechanics.prism_kernels import barrier_jet
 
 _N = N_VARIABLES
 SLOTS = _N * (_N + 1) // 2  # of the upper triangle of a pair's block
@@ -132,7 +134,7 @@ def assemble(
 
     Parameters
     ----------
-    y : (n_rows, 3) of `place_rows`; table, memory, d_hat, most : see `prism_kernels`.
+    y : (n_rows, 3) of `place_rows`; table, memory, d_hat, most : see `prism_candidates`.
     stiffness : of the barrier, N mm-3; 0 without contact, when tables are not looked at.
     lift : `KEEP`, or what is replaced by its positive part.
     gradient : (n_unknowns + 1,) the last by kappa; (0,) if nobody asks for derivatives.

@@ -11,18 +11,17 @@ import numpy as np
 from numba import njit
 
 from flexscale.arrays import FloatArray, IntArray
+from flexscale.embedding.relative_pose import pose_slopes, relative_pose
 from flexscale.embedding.rigid_motion import (
     N_MOTION,
     N_VARIABLES,
     OF_B,
     OF_S,
     neighbor_motion,
-    pose_slopes,
-    relative_pose,
     rotation_of,
 )
 from flexscale.mechanics.jets import jet_length
-from flexscale.mechanics.prism_kernels import Candidates
+from flexscale.mechanics.prism_candidates import Candidates
 
 _N = N_VARIABLES
 
@@ -61,7 +60,7 @@ def unknown_of(pairs: Pairs, k: int, variable: int) -> int:
 
 class Posing(NamedTuple):
     """A pair's motion and turns with derivatives, its pose (4, 3), t and G, and J; see
-    `rigid_motion`; the others are to work in."""
+    `relative_pose`; the others are to work in."""
 
     jets: FloatArray
     motion: FloatArray

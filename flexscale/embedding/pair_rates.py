@@ -8,7 +8,7 @@ from numba import njit
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.pair_places import Bending, Pairs, new_posing, set_pose, unknown_of
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_S
-from flexscale.mechanics.prism_kernels import Candidates
+from flexscale.mechanics.prism_candidates import Candidates
 
 _N = N_VARIABLES
 

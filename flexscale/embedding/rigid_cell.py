@@ -157,7 +157,7 @@ class RigidWorld:
     Attributes
     ----------
     y : (n_rows, 3) corners of scales that can meet, mm.
-    poses : (n_pairs, 4, 3) t and G of `rigid_motion`.
+    poses : (n_pairs, 4, 3) t and G of `relative_pose`.
     bending : the state.
     """
 

@@ -17,8 +17,8 @@ from flexscale.homogenize.bent_joints import BentJoints, JointState
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.barrier import barrier_stiffness
 from flexscale.mechanics.joint_law import JointLaw
+from flexscale.mechanics.prism_candidates import Memory
 from flexscale.mechanics.prism_contact import PrismContact
-from flexscale.mechanics.prism_kernels import Memory
 from flexscale.patterns.joint_lines import Joint
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import DenseFactorization, Factorization, build_factorization

@@ -12,15 +12,14 @@ from numba import njit
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.mechanics.barrier import MOST_SWEEP_STEPS, SWEEPS, Barrier
 from flexscale.mechanics.contact_gaps import LinearGaps
-from flexscale.mechanics.prism_kernels import (
-    N_WORK,
+from flexscale.mechanics.prism_candidates import (
     Candidates,
     Memory,
     all_free_share,
     barrier_energy,
-    barrier_jet,
     closer_than,
 )
+from flexscale.mechanics.prism_kernels import N_WORK, barrier_jet
 
 _BASE, _TOP = 0, 1
 _MEMORY = 50.0  # d_hat, by which scales move until distances are measured anew: as timed

@@ -8,13 +8,11 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from flexscale.embedding.middle_pose import N_POSE, N_WORK, middle_pose, turn_jets
+from flexscale.embedding.relative_pose import add_pose_bends, pose_slopes, relative_pose
 from flexscale.embedding.rigid_motion import (
     N_MOTION,
     N_VARIABLES,
-    add_pose_bends,
     neighbor_motion,
-    pose_slopes,
-    relative_pose,
     rotation_of,
     turn_functions,
 )

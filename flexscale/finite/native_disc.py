@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from flexscale.arrays import FloatArray
+from flexscale.arrays import BoolArray, FloatArray
 from flexscale.errors import BadInputError, PatternError
 from flexscale.finite.driven_sheet import DrivenSheet
-from flexscale.finite.sheet_scales import find_sheet_scales
+from flexscale.finite.sheet_scales import find_sheet_scales, require_moderate_scales
 from flexscale.homogenize.native_model import NativeModel
-from flexscale.patterns.laid import disc, lay_pattern
+from flexscale.patterns.laid import LaidPattern, disc, lay_pattern
 from flexscale.patterns.pattern import Pattern
 from flexscale.units import require_positive
 
@@ -36,6 +36,35 @@ def symmetry_center(pattern: Pattern) -> tuple[FloatArray, int]:
     order = round(360.0 / min(least.angle % 360.0, -least.angle % 360.0))
     center = np.asarray(np.linalg.solve(np.eye(2) - least.linear, least.translation))
     return center, order
+
+
+def lay_disc(pattern: Pattern, radius: float, hub: float) -> tuple[LaidPattern, BoolArray, int]:
+    """A pattern on a disc, which of its scales the hub holds, and the order of its turns.
+
+    Raises
+    ------
+    UnitRangeError : a size that is not positive.
+    BadInputError : more scales than memory holds, or a hub that leaves nothing of the disc.
+    PatternError : the hub holds every scale or none.
+    """
+    radius = require_positive(radius, "disc radius", "mm")
+    hub = require_positive(hub, "hub radius", "mm")
+    require_moderate_scales(pattern, np.pi * radius**2)
+    if hub >= radius:
+        raise BadInputError(
+            f"A hub of {hub:g} mm leaves nothing of a disc of {radius:g} mm to push: make it "
+            "smaller."
+        )
+    center, order = symmetry_center(pattern)
+    laid = lay_pattern(pattern, disc(radius, _SIDE), 0.0, center)
+    middle = shapely.Point(0.0, 0.0)
+    held = np.array([shapely.Polygon(o).distance(middle) < hub for o in laid.outlines])
+    if not held.any() or held.all():
+        raise PatternError(
+            f"A hub of {hub:g} mm holds {'every' if held.all() else 'no'} scale of a disc of "
+            f"{radius:g} mm: change the hub."
+        )
+    return laid, held, order
 
 
 class NativeDisc(DrivenSheet):
@@ -61,25 +90,10 @@ class NativeDisc(DrivenSheet):
     def __init__(
         self, pattern: Pattern, radius: float, hub: float, native: NativeModel | None = None
     ) -> None:
-        radius = require_positive(radius, "disc radius", "mm")
-        hub = require_positive(hub, "hub radius", "mm")
-        if hub >= radius:
-            raise BadInputError(
-                f"A hub of {hub:g} mm leaves nothing of a disc of {radius:g} mm to push: make it "
-                "smaller."
-            )
         native = native or NativeModel()
-        center, self.rotation_order = symmetry_center(pattern)
-        laid = lay_pattern(pattern, disc(radius, _SIDE), 0.0, center)
-        middle = shapely.Point(0.0, 0.0)
-        near = np.array([shapely.Polygon(o).distance(middle) < hub for o in laid.outlines])
-        if not near.any() or near.all():
-            raise PatternError(
-                f"A hub of {hub:g} mm holds {'every' if near.all() else 'no'} scale of a disc of "
-                f"{radius:g} mm: change the hub."
-            )
+        laid, held, self.rotation_order = lay_disc(pattern, radius, hub)
         sheet = find_sheet_scales(
-            laid, [(np.flatnonzero(near), np.zeros(2))], native.contact.enabled
+            laid, [(np.flatnonzero(held), np.zeros(2))], native.contact.enabled
         )
         free = np.ones(6 * sheet.scales.n_scales + 3, dtype=bool)
         free[:6] = False

@@ -259,7 +259,6 @@ def mandrel_arrays(
     asked = finite_series(angles, "mandrel angle", "degree")
     if asked[0] < 0.0 or asked[-1] >= 360.0 or (np.diff(asked) <= 0.0).any():
         raise UnitRangeError("Angles around the rim increase from 0 to below 360 degree.")
-    require_moderate_scales(pattern, np.pi * radius**2)
     disc = NativeDisc(pattern, radius, hub, native)
     period = 360.0 / disc.rotation_order
     solved, place = np.unique(np.round(asked % period, 6) % period, return_inverse=True)

@@ -20,7 +20,11 @@ import numpy as np
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import BadInputError, PatternError
 from flexscale.finite.joint_sheet import JointSheet
-from flexscale.finite.sheet_scales import SheetScales, find_sheet_scales
+from flexscale.finite.sheet_scales import (
+    SheetScales,
+    find_sheet_scales,
+    require_moderate_scales,
+)
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.load_series import require_bends
@@ -53,6 +57,17 @@ def strips_of(laid: LaidPattern, length: float, width: float) -> list[tuple[IntA
         (np.flatnonzero(at_end), np.array([x, 0.5 * width]))
         for at_end, x in zip(ends, (0.0, length), strict=True)
     ]
+
+
+def require_sheet(pattern: Pattern, length: float, width: float, direction: float) -> None:
+    """Refuse a sheet between strips or hinges that cannot be, before anything is solved.
+
+    Raises
+    ------
+    BadInputError, PatternError : more scales than memory holds, or ends that hold none or all.
+    """
+    require_moderate_scales(pattern, length * width)
+    strips_of(lay_pattern(pattern, rectangle(length, width), direction), length, width)
 
 
 class NativeSheet(JointSheet):

@@ -9,7 +9,7 @@ import pytest
 
 from flexscale.errors import BadInputError
 from flexscale.steps.experiment import parse_experiment
-from flexscale.steps.plan import build_plan
+from flexscale.steps.plan import Plan, build_plan
 
 SMALL: dict[str, Any] = {
     "patterns": {"tiles": {"family": "IH76"}},
@@ -22,6 +22,17 @@ FITTED: dict[str, Any] = SMALL | {
         "curvatures": [0, 0.005, 0.01, 0.015, 0.02],
     },
     "fit": {},
+}
+
+#: Sheets and devices of scales that are computed in seconds.
+NATIVE: dict[str, Any] = {
+    "patterns": {"hexagon": {"family": "IH20"}},
+    "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.004], "sides": "opening"},
+    "native_rig": {
+        "sides": "closing",
+        "mandrel": {"radius": 30, "indentation": "2 mm", "angles": [0, 45, 60]},
+        "stage": {"length": 60, "width": 30, "shortenings": [0.1, "0.05 cm"], "direction": 90},
+    },
 }
 
 
@@ -38,3 +49,8 @@ def message_of(content: Any) -> str:
         build_plan(parse_experiment(content, "file.yaml"))
     assert caught.value.exit_code == 2
     return str(caught.value)
+
+
+def plan_of(content: dict[str, Any]) -> Plan:
+    """The plan of an experiment file of this content."""
+    return build_plan(parse_experiment(content, "file.yaml"))

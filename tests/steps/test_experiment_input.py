@@ -113,7 +113,7 @@ OUT_OF_BOUNDS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "a large disc": (
         TINY | {"native_rig": {"mandrel": {"radius": 5000}}},
-        "about 7.88e+07 scales and would take about",
+        "about 7.85e+07 scales and would take about",
     ),
     "a sheet of a shell": (SHELL | {"native_sheet": {}}, "of scales on joints, not of"),
     "an endless range": (

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +23,13 @@ from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from flexscale.status import SolveStatus
 from flexscale.steps.catalog import FIGURES, STEPS
 from flexscale.steps.engine_process import snakefile
-from flexscale.steps.experiment import load_experiment, parse_experiment
+from flexscale.steps.experiment import load_experiment
 from flexscale.steps.figures import FIGURE, draw_dataset
-from flexscale.steps.plan import Plan, build_plan
+from flexscale.steps.plan import build_plan
 from flexscale.steps.step import Resources
 from flexscale.steps.summary import failed_samples
 from tests.macro.fit_samples import law_sweep, tangent
+from tests.steps.experiment_samples import NATIVE, plan_of
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 CONTENT: dict[str, Any] = {
@@ -48,20 +47,6 @@ CONTENT: dict[str, Any] = {
     },
     "figures": ["sheet", "rig"],
 }
-#: What is computed in seconds.
-NATIVE: dict[str, Any] = {
-    "patterns": CONTENT["patterns"],
-    "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.004], "sides": "opening"},
-    "native_rig": {
-        "sides": "closing",
-        "mandrel": {"radius": 30, "indentation": "2 mm", "angles": [0, 45, 60]},
-        "stage": {"length": 60, "width": 30, "shortenings": [0.1, "0.05 cm"], "direction": 90},
-    },
-}
-
-
-def plan_of(content: dict[str, Any]) -> Plan:
-    return build_plan(parse_experiment(content, "file.yaml"))
 
 
 @pytest.fixture(scope="module")
@@ -88,17 +73,6 @@ def test_sheets_and_rigs_come_from_the_fit() -> None:
         assert [plan[needed].step for needed in jobs[name].inputs] == ["fit"]
         assert jobs[name].n_samples == size
     assert [job.title for job in plan if job.step == "figure"] == ["sheet", "rig"]
-
-
-def test_whole_sheets_of_scales_need_no_fit() -> None:
-    jobs = {job.step: job for job in plan_of(NATIVE)}
-    assert "fit" not in jobs
-    assert jobs["native_sheet"].n_samples == 2
-    assert jobs["native_rig"].n_samples == 3 + 2
-    block = STEPS["native_rig"].task(jobs["native_rig"].recipe.parameters).block
-    assert block.stage.shortenings == (0.1, 0.5)
-    assert (block.mandrel.hub, block.mandrel.indentation) == (10.0, 2.0)
-    assert all(STEPS[name].resumable for name in ("native_sheet", "native_rig"))
 
 
 def test_every_step_and_the_figures_have_a_rule_of_the_workflow() -> None:
@@ -226,7 +200,17 @@ TINY = {"patterns": {"hexagon": {"family": "IH20", "tile_area": 1, "gap": "0.1 m
         (native_rigs(stage={"shortenings": [5, 120]}), "native_rig.stage: A shortening of 120 mm"),
         (native_rigs(sides=["opening", "opening"]), "a side is named twice"),
         (native_rigs(mandrel=None, stage=None), "`native_rig` needs `mandrel`, `stage`, or both"),
-        (native_rigs(mandrel={"radius": 20, "hub": 20}), "the hub is smaller than the disc"),
+        (native_rigs(mandrel={"radius": 20, "hub": 20}), "A hub of 20 mm leaves nothing of a disc"),
+        (native_rigs(mandrel={"radius": 12, "hub": 11}), "holds every scale of a disc of 12 mm"),
+        (
+            native_rigs(stage={"length": 3, "width": 2, "shortenings": [1]}),
+            "cuts all scales of the pattern to slivers",
+        ),
+        (
+            native_rigs(stage={"length": 8, "width": 20, "shortenings": [1]}),
+            "has no scale between those that",
+        ),
+        ({"native_sheet": {"length": 2, "width": 2}}, "cuts all scales of the pattern to slivers"),
         (native_rigs(mandrel={"angles": [0, 360]}), "angles lie in [0, 360) degree"),
         (native_rigs(mandrel={"radius": 9e3}) | TINY, "GB of memory, of which"),
         (native_rigs(stage={"length": 9e3, "width": 9e3}) | TINY, "GB of memory, of which"),
@@ -341,173 +325,6 @@ def test_a_sheet_that_failed_still_says_where() -> None:
     check_dataset(dataset, "sheet")
     assert dataset["signed_curvature"].values.tolist() == [[0.0, 0.01], [0.0, -0.01]]
     assert np.isnan(dataset["energy"].values).tolist() == [[False, False], [False, True]]
-
-
-class Kept:
-    """A checkpoint in memory."""
-
-    def __init__(self) -> None:
-        self.lines: dict[str, list[dict[str, Any]]] = {}
-
-    def load(self, key: str, fits: Callable[[int, dict[str, Any]], bool]) -> list[dict[str, Any]]:
-        samples = enumerate(self.lines.get(key, []))
-        return [sample for _, sample in takewhile(lambda item: fits(*item), samples)]
-
-    def append(self, key: str, sample: dict[str, Any]) -> None:
-        self.lines.setdefault(key, []).append(sample)
-
-    @property
-    def counts(self) -> dict[str, int]:
-        return {key: len(samples) for key, samples in self.lines.items()}
-
-
-class Stopped(Exception):
-    """Stands for a kill."""
-
-
-#: Samples that are kept of the disc, by their lines.
-DISC = {"mandrel-closing-0.0": 1, "mandrel-closing-45.0": 1}
-
-
-def computed(name: str, resources: Resources) -> xr.Dataset:
-    """What a step makes of its block of `NATIVE`."""
-    (job,) = (job for job in plan_of(NATIVE) if job.step == name)
-    step = STEPS[name]
-    return step.compute(step.task(job.recipe.parameters), {}, resources)
-
-
-@pytest.fixture(scope="module")
-def native() -> dict[str, xr.Dataset]:
-    return {name: computed(name, Resources()) for name in ("native_sheet", "native_rig")}
-
-
-def test_native_sheets_hold_what_the_simulation_gives(native) -> None:
-    sheet = native["native_sheet"]
-    check_dataset(sheet, "native_sheet")
-    pattern = fs.Pattern(fs.Tiling("IH20"))
-    alone = fs.simulate_native_sheet(pattern, 60.0, 30.0, curvatures=[0.0, 0.004], side="opening")
-    assert "side" not in alone.dims
-    for name in ("energy", "moment", "slide", "contact_pairs", "n_scales", "n_unknowns"):
-        np.testing.assert_allclose(sheet[name].squeeze(), alone[name], rtol=1e-9)
-    np.testing.assert_allclose(sheet["energy"], 60.0 * 30.0 * sheet["energy_density"])
-    assert (sheet["moment"].isel(curvature=1) > 0.0).all()
-    assert float(sheet["signed_curvature"].isel(curvature=1).squeeze()) == -0.004
-
-
-def test_native_rigs_hold_what_the_simulations_give(native) -> None:
-    rig, pattern = native["native_rig"], fs.Pattern(fs.Tiling("IH20"))
-    check_dataset(rig, "native_rig")
-    sides = ("closing",)
-    disc = fs.simulate_native_mandrel(
-        pattern, radius=30.0, hub=10.0, indentation=2.0, angles=[0.0, 45.0, 60.0], sides=sides
-    )
-    strip = fs.simulate_native_stage(
-        pattern, length=60.0, width=30.0, shortenings=[0.1, 0.5], direction=90.0, sides=sides
-    )
-    for device, alone in (("mandrel", disc), ("stage", strip)):
-        names = [str(name) for name in rig.variables if str(name).startswith(device)]
-        assert names == [str(name) for name in alone.variables if str(name).startswith(device)]
-        for name in names:
-            np.testing.assert_allclose(rig[name], alone[name], rtol=1e-9, err_msg=name)
-    assert (rig["stage_force"] > 0.0).all()
-    assert (rig["stage_deflection"] > 0.0).all()
-    # Hexagons are the same every 60 degree, and not every 45.
-    force = rig["mandrel_force"].sel(side="closing")
-    assert float(force.sel(angle=60.0)) == float(force.sel(angle=0.0)) > 0.0
-    assert float(force.sel(angle=45.0)) != pytest.approx(float(force.sel(angle=0.0)), rel=1e-3)
-
-
-def test_figures_show_sheets_of_scales(native) -> None:
-    (axes,) = fs.plot.sheet(native["native_sheet"]).axes
-    assert "native model" in axes.get_title()
-    disc, stage = fs.plot.rig(native["native_rig"]).axes
-    assert "mandrel, 2 mm" in disc.get_title()
-    force = native["native_rig"]["stage_force"].sel(side="closing")
-    np.testing.assert_allclose(stage.lines[0].get_ydata(), force)
-
-
-def test_sheets_of_scales_tell_every_sample_that_they_finish(native) -> None:
-    events: list[Any] = []
-    computed("native_sheet", Resources(on_sample=events.append))
-    told = [(event.done, event.total, event.side, event.curvature) for event in events]
-    assert told == [(1, 2, "opening", 0.0), (2, 2, "opening", 0.004)]
-    events.clear()
-    computed("native_rig", Resources(on_sample=events.append))
-    assert [event.done for event in events] == [1, 2, 3, 4, 5]
-    assert {(event.total, event.n_failed, event.side) for event in events} == {(5, 0, "closing")}
-    assert sorted(event.place for event in events[:3]) == [0.0, 45.0, 60.0]
-    assert [event.place for event in events[3:]] == [0.1, 0.5]
-    assert all(event.status == SolveStatus.converged for event in events)
-
-
-@pytest.mark.parametrize(
-    ("name", "before", "after"),
-    [
-        ("native_sheet", {"opening-0.0": 1}, {"opening-0.0": 2}),
-        ("native_rig", DISC | {"stage-closing": 1}, DISC | {"stage-closing": 2}),
-    ],
-)
-def test_sheets_of_scales_go_on_where_they_were_stopped(
-    native, name: str, before: dict[str, int], after: dict[str, int]
-) -> None:
-    """To the last bit, and without solving again what was kept."""
-    kept = Kept()
-
-    def stop(event: Any) -> None:
-        if event.done == event.total - 1:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        computed(name, Resources(checkpoint=kept, on_sample=stop))
-    assert kept.counts == before
-    again = computed(name, Resources(checkpoint=kept))
-    assert kept.counts == after
-    xr.testing.assert_equal(again, native[name])
-
-
-@pytest.mark.parametrize("name", ["native_sheet", "native_rig"])
-def test_samples_that_are_not_of_the_sheet_are_solved_again(native, name: str) -> None:
-    kept = Kept()
-    computed(name, Resources(checkpoint=kept))
-    number = kept.counts
-    for samples in kept.lines.values():
-        samples[-1] = samples[-1] | {"energy": 1e3, "force": 1e3, "state": np.zeros(7)}
-    again = computed(name, Resources(checkpoint=kept))
-    assert kept.counts == {key: count + 1 for key, count in number.items()}
-    xr.testing.assert_equal(again, native[name])
-
-
-def simulated(device: str, model: fs.NativeModel) -> xr.Dataset:
-    """A sheet of 60 x 30 mm, a strip as large, or a disc of 30 mm."""
-    pattern = fs.Pattern(fs.Tiling("IH20"))
-    if device == "sheet":
-        return fs.simulate_native_sheet(pattern, 60.0, 30.0, curvatures=[0.0, 0.004], model=model)
-    if device == "stage":
-        return fs.simulate_native_stage(
-            pattern, length=60.0, width=30.0, shortenings=[0.1, 0.5], model=model
-        )
-    return fs.simulate_native_mandrel(
-        pattern, radius=30.0, indentation=2.0, angles=[0.0, 45.0], model=model
-    )
-
-
-@pytest.mark.parametrize(("device", "n_failed"), [("sheet", 2), ("mandrel", 4), ("stage", 4)])
-def test_sheets_of_scales_that_fail_keep_their_status(device: str, n_failed: int) -> None:
-    found = simulated(device, fs.NativeModel(solver=fs.SolverOptions(max_iterations=1)))
-    check_dataset(found, "native_sheet" if device == "sheet" else "native_rig")
-    failed = failed_samples(found)
-    assert len(failed) == n_failed
-    assert "max_iterations" in failed[0].replace(" ", "_")
-
-
-@pytest.mark.parametrize("device", ["sheet", "mandrel", "stage"])
-def test_sheets_of_scales_without_contact_have_no_gaps(device: str) -> None:
-    found = simulated(device, fs.NativeModel().without_contact)
-    check_dataset(found, "native_sheet" if device == "sheet" else "native_rig")
-    name = "min_gap" if device == "sheet" else f"{device}_min_gap"
-    assert found[name].isnull().all()
-    assert "not modeled" in found[name].attrs["comment"]
-    assert not failed_samples(found)
 
 
 @pytest.fixture(scope="module")

@@ -52,8 +52,6 @@ class NativeRigBlock(StepBlock):
     def _some_device(self) -> Self:
         if self.mandrel is None and self.stage is None:
             raise PydanticCustomError("empty", "`native_rig` needs `mandrel`, `stage`, or both", {})
-        if self.mandrel is not None and self.mandrel.hub >= self.mandrel.radius:
-            raise PydanticCustomError("range", "the hub is smaller than the disc", {})
         return self
 
     def n_samples(self, pattern: Pattern) -> int:
@@ -67,13 +65,14 @@ class NativeRigBlock(StepBlock):
         require_joints(experiment.model)
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
-        """More scales than memory holds."""
-        from flexscale.finite.sheet_scales import require_moderate_scales
+        """More scales than memory holds, or what cannot be cut from the pattern."""
+        from flexscale.finite.native_disc import lay_disc
+        from flexscale.finite.native_sheet import require_sheet
 
         if self.stage is not None:
-            require_moderate_scales(pattern, self.stage.length * self.stage.width)
+            require_sheet(pattern, self.stage.length, self.stage.width, self.stage.direction)
         if self.mandrel is not None:
-            require_moderate_scales(pattern, 3.15 * self.mandrel.radius**2)
+            lay_disc(pattern, self.mandrel.radius, self.mandrel.hub)
 
 
 def compute(

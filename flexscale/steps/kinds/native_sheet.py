@@ -63,10 +63,10 @@ class NativeSheetBlock(StripsBlock):
         require_joints(experiment.model)
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
-        """More scales than memory holds."""
-        from flexscale.finite.sheet_scales import require_moderate_scales
+        """More scales than memory holds, or a sheet that cannot be cut from the pattern."""
+        from flexscale.finite.native_sheet import require_sheet
 
-        require_moderate_scales(pattern, self.length * self.width)
+        require_sheet(pattern, self.length, self.width, self.direction)
 
 
 def compute(

@@ -10,7 +10,10 @@ from numba import njit
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.middle_pose import N_WORK as N_MIDDLE
 from flexscale.embedding.middle_pose import middle_pose, turn_jets
-from flexscale.mechanics.joint_law import LawTable, law_at
+from flexscale.mechanics.joint_law import MOST_POWER, LawTable, law_at
+
+# Which of u, w, s and phi each part of the relative pose moves.
+_MOVED = ((0, 2), (0, 2), (1, 3), (1, 3), (1, 3), (0, 2))
 
 
 class Stations(NamedTuple):
@@ -86,30 +89,30 @@ def joint_energy(
     hessian[:] = 0.0
     energy = 0.0
     q, slope, bend, rows = np.empty(4), np.empty(4), np.empty((4, 4)), np.zeros((4, 6))
-    carried = np.empty((4, 6))
+    carried, powers = np.empty((4, 6)), np.empty((4, 3, MOST_POWER + 1))
     for s in range(stations.starts[k], stations.starts[k + 1]):
         weight = stations.weights[s]
         half = station_opening(relative, stations.points[s], stations.normals[s], q, rows)
         root = 1.0 / np.sqrt(1.0 - half * half)
-        energy += weight * law_at(law, q, slope, bend, order)
+        energy += weight * law_at(law, q, powers, slope, bend, order)
         for i in range(6):
-            for a in range(4):
-                gradient[i] += weight * slope[a] * rows[a, i]
+            one, two = _MOVED[i]
+            gradient[i] += weight * (slope[one] * rows[one, i] + slope[two] * rows[two, i])
         if order < 2:
             continue
         for i in range(6):
+            one, two = _MOVED[i]
             for a in range(4):
-                carried[a, i] = 0.0
-                for b in range(4):
-                    carried[a, i] += weight * bend[a, b] * rows[b, i]
+                carried[a, i] = weight * (bend[a, one] * rows[one, i] + bend[a, two] * rows[two, i])
         # phi is the one that is not linear: d2 phi = -half / 2 root^3 of both factors of half's.
         curl = -0.5 * half * root * slope[3] * weight
         for i in range(6):
+            one, two = _MOVED[i]
             for j in range(i, 6):
-                total = curl * rows[3, i] * rows[3, j]
-                for a in range(4):
-                    total += rows[a, i] * carried[a, j]
-                hessian[i, j] += total
+                hessian[i, j] += rows[one, i] * carried[one, j] + rows[two, i] * carried[two, j]
+        for i in range(3, 5):
+            for j in range(i, 5):
+                hessian[i, j] += curl * rows[3, i] * rows[3, j]
     for i in range(6):
         for j in range(i):
             hessian[i, j] = hessian[j, i]

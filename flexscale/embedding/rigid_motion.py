@@ -15,6 +15,8 @@ pair of neighbors sees its own motion, and no surface needs to fit them all.
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 from numba import njit
 
@@ -24,7 +26,10 @@ from flexscale.mechanics.jets import add_product, add_scaled, compose, constant
 N_VARIABLES = 16
 OF_A, OF_B, OF_S, OF_KAPPA = 0, 6, 12, 15
 N_MOTION = 4  # S and kappa, on which the motion between two frames depends
-_SMALL, _TERMS = 1.0, 14  # squared turn below which functions of it are series of so many terms
+_SMALL, _TERMS = 1.0, 12  # squared turn below which functions of it are series of so many terms
+_SERIES = np.array(
+    [[(-1.0) ** m / factorial(2 * m + 1 + k) for m in range(_TERMS)] for k in range(3)]
+)
 
 
 @njit(cache=True, error_model="numpy")
@@ -34,17 +39,13 @@ def turn_functions(s: float, out: FloatArray) -> None:
     out : (3, 3) value, first and second derivative of each.
     """
     if s < _SMALL:
-        out[:] = 0.0
-        for k in range(3):  # sum over m of (-s)^m / (2 m + 1 + k)!
-            factor = 1.0 if k < 2 else 0.5
-            factor = factor / 3.0 if k == 2 else (factor / 2.0 if k == 1 else factor)
-            for m in range(_TERMS):
-                out[k, 0] += factor * s**m
-                if m > 0:
-                    out[k, 1] += factor * m * s ** (m - 1)
-                if m > 1:
-                    out[k, 2] += factor * m * (m - 1) * s ** (m - 2)
-                factor /= -(2.0 * m + 2.0 + k) * (2.0 * m + 3.0 + k)
+        for k in range(3):  # sum over m of (-s)^m / (2 m + 1 + k)!, the last term first
+            value = slope = bend = 0.0
+            for m in range(_TERMS - 1, -1, -1):
+                bend = 2.0 * slope + s * bend
+                slope = value + s * slope
+                value = _SERIES[k, m] + s * value
+            out[k, 0], out[k, 1], out[k, 2] = value, slope, bend
         return
     t = np.sqrt(s)
     out[0, 0], out[1, 0] = np.sin(t) / t, (1.0 - np.cos(t)) / s

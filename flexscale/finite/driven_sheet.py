@@ -281,8 +281,6 @@ def _predict(sheet: DrivenSheet, point: LoadPoint, load: float) -> FloatArray | 
             best, lowest = z, state.energy
     if best is not None or sheet.contact is None:
         return best
-    if sheet.system.factorize(driven.hessian_values(origin)) > 0:
-        return None
     apart = driven.keep_apart(origin, ahead[-1])
     if apart is not None and driven.evaluate(apart).energy <= lowest:
         return apart

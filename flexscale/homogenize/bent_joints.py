@@ -98,6 +98,10 @@ class BentJoints:
         """A state near a wanted one to which no scales meet on the way from `state`."""
         return keep_many_apart(self.problem, state.world.y, wanted, self.bend)
 
+    def steady(self, state: JointState) -> bool:
+        """Always: `keep_apart` makes its own matrices."""
+        return True
+
     def moment(self, state: JointState) -> float:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""
         return state.moment / self.problem.area

@@ -317,6 +317,10 @@ class BentCell:
         """A state near a wanted one to which no scales meet on the way from `state`."""
         return keep_apart(self.problem, state.world.y, wanted, self.bend)
 
+    def steady(self, state: CellState) -> bool:
+        """Factorize at a state; whether it is stable, since `keep_apart` needs compliances."""
+        return self.problem.system.factorize(self.hessian_values(state)) == 0
+
     def moment(self, state: CellState) -> float:
         """M = (1/A) dE/dkappa at fixed z [N], exact at equilibrium (envelope theorem)."""
         return float(np.sum(state.forces * state.world.kappa_rate)) / self.problem.area

@@ -312,7 +312,7 @@ def _keep_apart(
         return None
     cell = problem.bent(line.bend(point.curvature))
     state = cell.evaluate(point.z)
-    if problem.system.factorize(cell.hessian_values(state)) > 0:
+    if not cell.steady(state):
         return None
     return problem.bent(line.bend(target)).keep_apart(state, wanted)
 

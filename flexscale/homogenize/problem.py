@@ -59,6 +59,9 @@ class Bent(Objective, Protocol):
     def moment(self, state: Any) -> float:
         """M = (1/A) dE/dkappa at fixed z [N]."""
 
+    def steady(self, state: Any) -> bool:
+        """Whether `keep_apart` can start from a state, having factorized there what it needs."""
+
 
 @dataclass(frozen=True)
 class FlatBends:

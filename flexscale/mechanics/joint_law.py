@@ -34,19 +34,27 @@ _WALL = 8.0  # k, in the coordinate's stiffness at rest
 
 
 class LawTable(NamedTuple):
-    """A law as kernels take it; see `JointLaw`."""
+    """A law as kernels take it; see `JointLaw`.
 
-    exponents: IntArray
+    runs : (n_runs, 6) terms of equal powers of u, w and s whose powers of phi follow one another:
+        these three powers, that of phi of the first term, the first term, and one past the last;
+        runs of equal powers of w and s stand together. most : (4,) largest powers.
+    """
+
+    runs: IntArray
     coefficients: FloatArray
+    most: IntArray
+    at_rest: FloatArray
     thickness: float
     modulus: float
     bounds: FloatArray
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law_at(
     law: LawTable,
     q: FloatArray,
+    powers: FloatArray,
     gradient_out: FloatArray,
     hessian_out: FloatArray,
     order: int,
@@ -56,78 +64,87 @@ def law_at(
     Parameters
     ----------
     q : (4,)
+    powers : (4, 3, MOST_POWER + 1) to work in.
     gradient_out : (4,) filled with dW/dq, N/mm and N.
     hessian_out : (4, 4) filled with d2W/dq2, if order is 2.
     """
     thickness, bounds = law.thickness, law.bounds
-    powers = np.empty((4, MOST_POWER + 1, 3))
     outside = False
     for i in range(4):
         scale = thickness if i < 3 else 1.0
         x, low, high = q[i] / scale, bounds[i, 0] / scale, bounds[i, 1] / scale
         if low <= x <= high:
-            _fill_powers(powers[i], x, 0.0, 1.0, 0.0)
+            _fill_powers(powers[i], x, law.most[i])
         else:
             outside = True
-            edge = low if x < low else high
-            reach = _REACH * (high - low)
-            r = reach * np.tanh((x - edge) / reach)
-            slope = 1.0 - (r / reach) ** 2
-            _fill_powers(powers[i], edge, r, slope, -2.0 * slope * r / reach**2)
-    energy = _sum_terms(law.exponents, law.coefficients, powers, gradient_out, hessian_out, order)
+            _fill_powers(powers[i], low if x < low else high, law.most[i])
+            _go_beyond(powers[i], x, low, high, law.most[i])
+    energy = _sum_terms(law, powers, gradient_out, hessian_out, order)
     if outside:
         energy += _add_walls(law, q, gradient_out, hessian_out)
     for i in range(4):
         scale = law.modulus * (thickness if i < 3 else thickness**2)
         gradient_out[i] *= scale
-        for j in range(4):
-            hessian_out[i, j] *= scale / (thickness if j < 3 else 1.0)
+        if order > 1:
+            for j in range(4):
+                hessian_out[i, j] *= scale / (thickness if j < 3 else 1.0)
     return energy * law.modulus * thickness**2
 
 
-@njit(cache=True)
-def _fill_powers(out: FloatArray, x: float, r: float, slope: float, bend: float) -> None:
-    """Powers (MOST_POWER + 1, 3) of x expanded to second order in r, and two derivatives; r = 0 and
-    slope = 1 within the bounds."""
-    power = 1.0  # x^(e - 2)
-    for e in range(out.shape[0]):
-        if e == 0:
-            out[0, 0], out[0, 1], out[0, 2] = 1.0, 0.0, 0.0
-        elif e == 1:
-            out[1, 0], out[1, 1], out[1, 2] = x + r, slope, bend
-        else:
-            first, second = e * power * x, e * (e - 1) * power
-            out[e, 0] = power * x * x + first * r + 0.5 * second * r * r
-            out[e, 1] = (first + second * r) * slope
-            out[e, 2] = (first + second * r) * bend + second * slope * slope
-            power *= x
+@njit(cache=True, error_model="numpy")
+def _fill_powers(out: FloatArray, x: float, most: int) -> None:
+    """Powers of x up to one, and both derivatives; out : (3, MOST_POWER + 1)."""
+    out[0, 0], out[1, 0], out[2, 0] = 1.0, 0.0, 0.0
+    for e in range(1, most + 1):
+        out[0, e] = x * out[0, e - 1]
+        out[1, e] = e * out[0, e - 1]
+        out[2, e] = e * out[1, e - 1]
 
 
-@njit(cache=True)
-def _sum_terms(exponents, coefficients, powers, gradient, hessian, order):
-    """Sum in x over terms; those of equal powers of w and s are summed over u and phi first."""
+@njit(cache=True, error_model="numpy")
+def _go_beyond(out: FloatArray, x: float, low: float, high: float, most: int) -> None:
+    """Expand powers at the bound that x is beyond to second order, in a distance that saturates."""
+    edge, reach = low if x < low else high, _REACH * (high - low)
+    r = reach * np.tanh((x - edge) / reach)
+    slope = 1.0 - (r / reach) ** 2
+    bend = -2.0 * slope * r / reach**2
+    for e in range(1, most + 1):
+        first, second = out[1, e], out[2, e]
+        out[0, e] += first * r + 0.5 * second * r * r
+        out[1, e] = (first + second * r) * slope
+        out[2, e] = (first + second * r) * bend + second * slope * slope
+
+
+@njit(cache=True, error_model="numpy")
+def _sum_terms(law, powers, gradient, hessian, order):
+    """Sum in x over runs; those of equal powers of w and s are summed over u and phi first."""
+    runs, coefficients = law.runs, law.coefficients
+    of_u, of_w, of_s, of_phi = powers[0], powers[1], powers[2], powers[3]
     gradient[:] = 0.0
     hessian[:] = 0.0
     energy = 0.0
-    n = len(coefficients)
-    k = 0
+    n, k = len(runs), 0
     while k < n:
-        ew, es = exponents[k, 1], exponents[k, 2]
+        ew, es = runs[k, 1], runs[k, 2]
         f = fu = fp = fuu = fup = fpp = 0.0
-        while k < n and exponents[k, 1] == ew and exponents[k, 2] == es:
-            eu, ep, c = exponents[k, 0], exponents[k, 3], coefficients[k]
-            u0, u1, u2 = c * powers[0, eu, 0], c * powers[0, eu, 1], c * powers[0, eu, 2]
-            p0, p1, p2 = powers[3, ep, 0], powers[3, ep, 1], powers[3, ep, 2]
-            f += u0 * p0
-            fu += u1 * p0
-            fp += u0 * p1
-            if order > 1:
-                fuu += u2 * p0
-                fup += u1 * p1
-                fpp += u0 * p2
+        while k < n and runs[k, 1] == ew and runs[k, 2] == es:
+            eu, first, begin = runs[k, 0], runs[k, 3], runs[k, 4]
+            r0 = r1 = r2 = 0.0
+            for i in range(runs[k, 5] - begin):
+                c = coefficients[begin + i]
+                r0 += c * of_phi[0, first + i]
+                r1 += c * of_phi[1, first + i]
+                r2 += c * of_phi[2, first + i]
+            u0, u1, u2 = of_u[0, eu], of_u[1, eu], of_u[2, eu]
+            f += u0 * r0
+            fu += u1 * r0
+            fp += u0 * r1
+            fuu += u2 * r0
+            fup += u1 * r1
+            fpp += u0 * r2
             k += 1
-        w0, w1, w2 = powers[1, ew, 0], powers[1, ew, 1], powers[1, ew, 2]
-        s0, s1, s2 = powers[2, es, 0], powers[2, es, 1], powers[2, es, 2]
+        w0, w1, w2 = of_w[0, ew], of_w[1, ew], of_w[2, ew]
+        s0, s1, s2 = of_s[0, es], of_s[1, es], of_s[2, es]
         ws = w0 * s0
         energy += f * ws
         gradient[0] += fu * ws
@@ -152,9 +169,8 @@ def _sum_terms(exponents, coefficients, powers, gradient, hessian, order):
     return energy
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _add_walls(law, q, gradient, hessian):
-    exponents, coefficients = law.exponents, law.coefficients
     thickness, bounds = law.thickness, law.bounds
     energy = 0.0
     for i in range(4):
@@ -162,10 +178,7 @@ def _add_walls(law, q, gradient, hessian):
         x, low, high = q[i] / scale, bounds[i, 0] / scale, bounds[i, 1] / scale
         if low <= x <= high:
             continue
-        stiffness = 0.0
-        for k in range(len(coefficients)):
-            if exponents[k, i] == 2 and exponents[k].sum() == 2:
-                stiffness += 2.0 * _WALL * coefficients[k]
+        stiffness = _WALL * law.at_rest[i]
         distance, reach = x - (low if x < low else high), _REACH * (high - low)
         y = abs(distance) / reach
         log_cosh = y + np.log1p(np.exp(-2.0 * y)) - np.log(2.0)
@@ -175,10 +188,11 @@ def _add_walls(law, q, gradient, hessian):
     return energy
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _laws_at(law, poses, energies, gradients, hessians):
+    powers = np.empty((4, 3, MOST_POWER + 1))
     for k in range(len(poses)):
-        energies[k] = law_at(law, poses[k], gradients[k], hessians[k], 2)
+        energies[k] = law_at(law, poses[k], powers, gradients[k], hessians[k], 2)
 
 
 @dataclass(frozen=True, repr=False)
@@ -233,9 +247,19 @@ class JointLaw(ShortRepr):
     @property
     def table(self) -> LawTable:
         """What kernels take."""
+        exponents = np.asarray(self.exponents, dtype=np.int64)
+        order = np.lexsort(exponents[:, [3, 0, 1, 2]].T)  # by s, w, u, then phi
+        exponents = exponents[order]
+        follows = (np.diff(exponents, axis=0) == (0, 0, 0, 1)).all(axis=1)
+        begins = np.concatenate([[0], np.flatnonzero(~follows) + 1])
+        ends = np.append(begins[1:], len(exponents))
+        coefficients = np.asarray(self.coefficients, dtype=float)[order]
+        squares = [(exponents == 2 * row).all(axis=1) for row in np.eye(4, dtype=np.int64)]
         return LawTable(
-            np.ascontiguousarray(self.exponents, dtype=np.int64),
-            np.ascontiguousarray(self.coefficients, dtype=float),
+            np.column_stack([exponents[begins], begins, ends]),
+            coefficients,
+            exponents.max(axis=0, initial=0),
+            np.array([2.0 * coefficients[of].sum() for of in squares]),
             float(self.thickness),
             float(self.modulus),
             np.ascontiguousarray(self.bounds, dtype=float),

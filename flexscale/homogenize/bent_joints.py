@@ -9,7 +9,7 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend, TensorBend
-from flexscale.embedding.pair_kernels import KEEP, LIFT_ALL, LIFT_CONTACT
+from flexscale.embedding.pair_kernels import LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
 from flexscale.homogenize.keep_many_apart import keep_many_apart
 from flexscale.mechanics.energy import ALL, NOTHING
@@ -31,6 +31,8 @@ class JointState:
     gradient : (n_active,) dE/dz of the active unknowns.
     moment : N mm2, dE/dkappa at fixed z.
     forces : (n_unknowns,) dE/dz of all unknowns, held ones as well.
+    hessian : (nnz,) upper triangle of the second derivatives by those that are sought.
+    kappa_rate : (n_unknowns + 1,) second derivatives by kappa and all unknowns, then kappa.
     """
 
     z: FloatArray
@@ -40,6 +42,8 @@ class JointState:
     gradient: FloatArray
     moment: float
     forces: FloatArray
+    hessian: FloatArray
+    kappa_rate: FloatArray
 
 
 class BentJoints:
@@ -56,21 +60,25 @@ class BentJoints:
         return self.problem.system
 
     def evaluate(self, z: FloatArray) -> JointState:
-        """Energy and gradient at z."""
+        """Energy with both derivatives at z: most states that are tried are also kept."""
         problem, cell = self.problem, self.problem.embedding
         world = cell.place(z, self.bend)
-        forces = np.zeros(cell.n_unknowns + 1)
-        parts, _ = problem.assemble(world, self.bend, forces)
+        forces, by_kappa = np.zeros(cell.n_unknowns + 1), np.zeros(cell.n_unknowns + 1)
+        values = np.zeros(len(problem.rows))
+        by_kappa[-1] = 1.0
+        parts, rate = problem.assemble(world, self.bend, forces, values, by_kappa)
         return JointState(
             z, world, parts, float(parts.sum()), forces[problem.active], float(forces[-1]),
-            forces[:-1],
+            forces[:-1], values, rate,
         )  # fmt: skip
 
     def hessian_values(self, state: JointState, project: str = NOTHING) -> FloatArray:
         """(nnz,) upper triangle of d2E/dz2; `project` replaces parts by their positive part."""
+        if project == NOTHING:
+            return state.hessian.copy()
         problem = self.problem
         values, unused = np.zeros(len(problem.rows)), np.zeros(problem.embedding.n_unknowns + 1)
-        lift = {NOTHING: KEEP, ALL: LIFT_ALL}.get(project, LIFT_CONTACT)
+        lift = LIFT_ALL if project == ALL else LIFT_CONTACT
         problem.assemble(state.world, self.bend, unused, values, lift=lift)
         return values
 
@@ -79,10 +87,9 @@ class BentJoints:
     ) -> FloatArray:
         """(n_unknowns + 1,) second derivatives by all unknowns, then kappa, times a change of these
         (n_unknowns + 1,); times one of kappa if none is given."""
-        unused = np.zeros(self.problem.embedding.n_unknowns + 1)
         if direction is None:
-            direction = np.zeros_like(unused)
-            direction[-1] = 1.0
+            return state.kappa_rate
+        unused = np.zeros(self.problem.embedding.n_unknowns + 1)
         return self.problem.assemble(state.world, self.bend, unused, direction=direction)[1]
 
     def gradient_rate(self, state: JointState) -> FloatArray:

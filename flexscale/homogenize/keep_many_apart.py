@@ -9,7 +9,7 @@ and goes almost to the next one.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ _PASSES = 4  # in which gaps are measured anew where scales met on the way
 _SOFT = (0.5, 0.15)  # of the barrier's reach, below which it is a parabola: one after the other
 _STEPS = 20  # of Newton's method in each
 _ENOUGH = 1e-4  # decrement over energy
+_SHORTEST = 1e-3  # share of a step
 _MET = 4.0  # d_hat, closer than which gaps are measured where scales met
 
 
@@ -59,6 +60,14 @@ def keep_many_apart(
     return None
 
 
+class _Softened(NamedTuple):
+    """Energy [N mm], gradient (n_unknowns,) and upper triangle (nnz,) of the Hessian."""
+
+    energy: float
+    gradient: FloatArray
+    values: FloatArray
+
+
 class _Search:
     """Gaps within reach, linear in positions."""
 
@@ -81,43 +90,44 @@ class _Search:
 
     def settle(self, z: FloatArray, soft: float) -> FloatArray:
         """Near the equilibrium with the barrier soft below a distance, mm."""
-        problem, active = self.problem, self.problem.active
-        table = self.contact.rows.table
-        pairs = problem.embedding.pairs(self.bend)
+        here = self._evaluate(z, soft)
         for _ in range(_STEPS):
-            world = problem.embedding.place(z, self.bend)
-            near, gaps = self._near(world.y)
-            _, push, spring = soft_barrier(
-                gaps, self.contact.activation_distance, soft, self.contact.stiffness
-            )
-            slopes = gap_slopes(
-                world.bending, pairs, world.poses, table, self.found[near], self.shares[near],
-                self.normals[near],
-            )  # fmt: skip
-            of_pair = self.contact.rows.pair[table.stencils[self.found[near], 0]]
-            gradient = np.zeros(problem.embedding.n_unknowns + 1)
-            values, energy = np.zeros(len(problem.rows)), 0.0
-            for lift in (0, LIFT_ALL):
-                gradient[:] = 0.0
-                values[:] = 0.0
-                energy = problem.joint_energy(world, self.bend, gradient, values, lift)
-                add_springs(slopes, of_pair, pairs, spring, -push, problem.slots, values, gradient)
-                gradient[:-1] = problem.free_part(gradient[:-1])
-                if problem.factorize(values) == 0:
-                    break
-            step, _ = problem.system.solve(-gradient[active])
-            decrement = -float(gradient[active] @ step)
-            here, length = self._energy(z, soft), 1.0
-            while length > 1e-3:
+            if self.problem.factorize(here.values) > 0:
+                self.problem.factorize(self._evaluate(z, soft, LIFT_ALL).values)
+            gradient = here.gradient[self.problem.active]
+            step, _ = self.problem.system.solve(-gradient)
+            decrement, length = -float(gradient @ step), 1.0
+            while length > _SHORTEST:
                 trial = z.copy()
-                trial[active] += length * step
-                if self._energy(trial, soft) <= here - 1e-4 * length * decrement:
-                    z = trial
+                trial[self.problem.active] += length * step
+                there = self._evaluate(trial, soft)
+                if there.energy <= here.energy - 1e-4 * length * decrement:
+                    z, here = trial, there
                     break
                 length *= 0.5
-            if decrement <= _ENOUGH * abs(energy) or length <= 1e-3:
+            if decrement <= _ENOUGH * abs(here.energy) or length <= _SHORTEST:
                 break
         return z
+
+    def _evaluate(self, z: FloatArray, soft: float, lift: int = 0) -> _Softened:
+        """Joints, and the barrier that is soft below a distance, mm."""
+        problem = self.problem
+        world, pairs = problem.embedding.place(z, self.bend), problem.embedding.pairs(self.bend)
+        near, gaps = self._near(world.y)
+        barrier, push, spring = soft_barrier(
+            gaps, self.contact.activation_distance, soft, self.contact.stiffness
+        )
+        gradient = np.zeros(problem.embedding.n_unknowns + 1)
+        values = np.zeros(len(problem.rows))
+        energy = problem.joint_energy(world, self.bend, gradient, values, lift)
+        table = self.contact.rows.table
+        slopes = gap_slopes(
+            world.bending, pairs, world.poses, table, self.found[near], self.shares[near],
+            self.normals[near],
+        )  # fmt: skip
+        of_pair = self.contact.rows.pair[table.stencils[self.found[near], 0]]
+        add_springs(slopes, of_pair, pairs, spring, -push, problem.slots, values, gradient)
+        return _Softened(energy + float(barrier.sum()), problem.free_part(gradient[:-1]), values)
 
     def _near(self, y: FloatArray) -> tuple[IntArray, FloatArray]:
         """Gaps that the barrier reaches at positions y, and their lengths, mm."""
@@ -125,12 +135,3 @@ class _Search:
         gaps = np.einsum("nc,nk,nkc->n", self.normals, self.shares, corners)
         near = np.flatnonzero(gaps < self.contact.activation_distance)
         return near, gaps[near]
-
-    def _energy(self, z: FloatArray, soft: float) -> float:
-        problem = self.problem
-        world = problem.embedding.place(z, self.bend)
-        _, gaps = self._near(world.y)
-        barrier, _, _ = soft_barrier(
-            gaps, self.contact.activation_distance, soft, self.contact.stiffness
-        )
-        return problem.joint_energy(world, self.bend, np.zeros(0)) + float(barrier.sum())

@@ -75,7 +75,7 @@ def test_attempts_that_time_ended_say_so() -> None:
     state = np.zeros(1)
     tried = Solution(state, None, 0.0, SolveStatus.line_search_failed, 3, 1.0, 0)
     assert tried.given_up(fs.SolverOptions()) is tried
-    over = replace(fs.SolverOptions(), deadline=time.process_time() - 1.0)
+    over = replace(fs.SolverOptions(), deadline=(0.0, 0.0))
     assert tried.given_up(over).status == SolveStatus.time_limit
 
 
@@ -83,7 +83,7 @@ def test_the_time_of_a_sample_runs_from_its_start() -> None:
     options = fs.SolverOptions(time_limit=1000.0)
     assert not options.out_of_time
     assert not options.for_a_sample().out_of_time
-    assert replace(options, deadline=time.process_time() - 1.0).out_of_time
+    assert replace(options, deadline=(0.0, 0.0)).out_of_time
 
 
 def test_only_a_limit_of_ones_own_is_part_of_a_recipe() -> None:

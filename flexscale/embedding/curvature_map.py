@@ -22,7 +22,7 @@ n . (I + S) L and R the rotation by kappa q,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -46,13 +46,28 @@ class Bend:
         n = np.array([np.cos(self.direction), np.sin(self.direction)])
         return np.outer(n, n)
 
+    @property
+    def base(self) -> FloatArray:
+        """(2, 2) zeros: nothing else bends the sheet."""
+        return np.zeros((2, 2))
+
 
 @dataclass(frozen=True)
 class TensorBend:
-    """Two curvatures at a time: a curvature [mm-1] times a tensor (2, 2)."""
+    """Two curvatures at a time: a tensor k = base + curvature [mm-1] times a tensor, each (2, 2).
+
+    Derivatives by the curvature are those by k along the tensor.
+    """
 
     curvature: float
     tensor: FloatArray
+    base: FloatArray = field(default_factory=lambda: np.zeros((2, 2)))
+
+
+#: (3, 2, 2) tensors of unit k_xx, k_yy and 2 k_xy.
+UNIT_CURVATURES = np.array(
+    [[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]]
+)
 
 
 @dataclass(frozen=True)

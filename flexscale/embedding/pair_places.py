@@ -30,7 +30,7 @@ class Pairs(NamedTuple):
     """Pairs of neighboring scales.
 
     scales : (n, 2) numbers; ways : (n, 2) from the first one's anchor to the second's, mm;
-    lifts : (n, 2) heights of both anchors by kappa; n_motion : 4, or 0 where S and kappa are held;
+    lifts : (n, 2, 2) heights of both anchors, mm, at k_0 and by kappa; n_motion : 4, or 0 where S and kappa are held;
     n_unknowns : length of z.
     """
 
@@ -42,11 +42,12 @@ class Pairs(NamedTuple):
 
 
 class Bending(NamedTuple):
-    """How the sheet is bent: kappa, mm-1, the tensor K (2, 2) of its line, and where scales are."""
+    """How the sheet is bent, k = k_0 + kappa K, all mm-1 and (2, 2), and where scales are."""
 
     z: FloatArray
     curvature: float
     tensor: FloatArray
+    base: FloatArray
 
 
 @njit(cache=True, error_model="numpy")
@@ -90,8 +91,8 @@ def set_pose(bending: Bending, pairs: Pairs, k: int, order: int, posing: Posing)
         first = 6 * pairs.scales[k, side]
         rotation_of(z[first + 3 : first + 6], p.turns[side], p.slopes[side], p.bends[side], order)
     neighbor_motion(
-        pairs.ways[k], pairs.lifts[k], bending.tensor, z[len(z) - 3 :], bending.curvature, p.jets,
-        p.motion, order if pairs.n_motion > 0 else 0,
+        pairs.ways[k], pairs.lifts[k], bending.base, bending.tensor, z[len(z) - 3 :],
+        bending.curvature, p.jets, p.motion, order if pairs.n_motion > 0 else 0,
     )  # fmt: skip
     a, b = 6 * pairs.scales[k, 0], 6 * pairs.scales[k, 1]
     other = z[b : b + 3]
@@ -118,18 +119,19 @@ def place_scales(
     """(n, 4, 3) where scales lie, place of the anchor and turn, in the frame at the plane's origin.
 
     numbers : (n,) of scales; places : (n, 2) of their anchors at rest, or those of images, mm;
-    lifts : (n,) heights of anchors by kappa.
+    lifts : (n, 2) heights of anchors, at k_0 and by kappa.
     """
     out, posing = np.empty((len(numbers), 4, 3)), new_posing(0)
-    still, lift, z = np.zeros(3), np.zeros(2), bending.z
+    still, lift, z = np.zeros(3), np.zeros((2, 2)), bending.z
     posing.turns[0] = np.eye(3)
     for k in range(len(numbers)):
         first, p = 6 * numbers[k], posing
         lift[1] = lifts[k]
         rotation_of(z[first + 3 : first + 6], p.turns[1], p.slopes[1], p.bends[1], 0)
         neighbor_motion(
-            places[k], lift, bending.tensor, z[len(z) - 3 :], bending.curvature, p.jets, p.motion, 0
-        )
+            places[k], lift, bending.base, bending.tensor, z[len(z) - 3 :], bending.curvature,
+            p.jets, p.motion, 0,
+        )  # fmt: skip
         relative_pose(still, z[first : first + 3], p.motion, p.turns, out[k], p.matrices)
     return out
 

@@ -166,6 +166,10 @@ class RigidWorld:
     bending: Bending
 
 
+def _bending(z: FloatArray, bend: Bend | TensorBend) -> Bending:
+    return Bending(z, float(bend.curvature), bend.tensor, bend.base)
+
+
 class RigidCell:
     """Unknowns of rigid scales: six of each, then S.
 
@@ -213,18 +217,23 @@ class RigidCell:
         return out
 
     def lifts(self, tensor: FloatArray) -> FloatArray:
-        """(n_scales,) height of anchors by kappa at which bases lie on the cylinder on average."""
+        """(n_scales,) height of anchors at which bases lie on the surface on average, by k along a
+        tensor, mm2."""
         lifts: FloatArray = 0.5 * np.einsum("ij,nij->n", tensor, self.scales.second_moments)
         return lifts
 
     def pairs(self, bend: Bend | TensorBend) -> Pairs:
         """What kernels take."""
-        scales, key = self.scales, bend.tensor.tobytes()
+        scales, key = self.scales, bend.tensor.tobytes() + bend.base.tobytes()
         if self._known is None or self._known[0] != key:  # along a line it stays the same
-            lifts = self.lifts(bend.tensor)[scales.pairs]
+            lifts = self._lifts_of(bend)[scales.pairs]
             made = Pairs(scales.pairs, scales.ways, lifts, self.n_motion, self.n_unknowns)
             self._known = (key, made)
         return self._known[1]
+
+    def _lifts_of(self, bend: Bend | TensorBend) -> FloatArray:
+        """(n_scales, 2) those at the base, mm, and by kappa."""
+        return np.stack([self.lifts(bend.base), self.lifts(bend.tensor)], axis=1)
 
     def forget(self) -> None:
         """Ask `scales` anew, whose anchors have moved."""
@@ -232,7 +241,7 @@ class RigidCell:
 
     def place(self, z: FloatArray, bend: Bend | TensorBend) -> RigidWorld:
         """World positions at state z under `bend`."""
-        bending, rows = Bending(z, float(bend.curvature), bend.tensor), self.scales.rows
+        bending, rows = _bending(z, bend), self.scales.rows
         poses, y = np.empty((len(self.scales.pairs), 4, 3)), np.empty((rows.n_rows, 3))
         place_pairs(bending, self.pairs(bend), poses)
         place_rows(poses, rows.table, y)
@@ -245,8 +254,7 @@ class RigidCell:
 
         First the anchor, mm, then the turn (3, 3).
         """
-        bending = Bending(z, float(bend.curvature), bend.tensor)
-        return place_scales(bending, numbers, places, self.lifts(bend.tensor)[numbers])
+        return place_scales(_bending(z, bend), numbers, places, self._lifts_of(bend)[numbers])
 
     def curvature_rates(self, bend: Bend | TensorBend) -> FloatArray:
         """(n_rows, 3) derivative of the flat cell's positions by the curvature."""
@@ -261,6 +269,6 @@ class RigidCell:
     def pull_gradient(self, world: RigidWorld, forces: FloatArray) -> FloatArray:
         """(n_unknowns,) dE/dz for forces dE/dy (n_rows, 3)."""
         out = np.zeros(self.n_unknowns + 1)
-        pairs = self.pairs(TensorBend(world.bending.curvature, world.bending.tensor))
+        pairs = self.pairs(TensorBend(*world.bending[1:]))
         pull_forces(world.bending, pairs, world.poses, self.scales.rows.table, forces, out)
         return out[:-1]

@@ -114,6 +114,7 @@ def rotation_of(
 def neighbor_motion(
     way: FloatArray,
     lifts: FloatArray,
+    base: FloatArray,
     tensor: FloatArray,
     stretch: FloatArray,
     curvature: float,
@@ -123,8 +124,8 @@ def neighbor_motion(
 ) -> None:
     """The motion (v, Q) between the frames of two scales, with derivatives by S and kappa.
 
-    way : (2,) D at rest, mm; lifts : (2,) of a and b; tensor : (2, 2) K; stretch : (3,) S; work :
-    (10, jet); out : (12, jet) v, then Q row by row.
+    way : (2,) D at rest, mm; lifts : (2, 2) of a and b, at k_0 and by kappa; base, tensor : (2, 2)
+    k_0 and K; stretch : (3,) S; work : (10, jet); out : (12, jet) v, then Q row by row.
     """
     n = N_MOTION
     moved, turn = work[:2], work[2:4]  # F D, and omega
@@ -137,11 +138,12 @@ def neighbor_motion(
     constant(kappa, curvature)
     if order > 0:
         kappa[4] = 1.0
-    for i in range(2):  # omega = (k_2, -k_1), k = kappa K F D
+    for i in range(2):  # omega = (k_2, -k_1), k = (k_0 + kappa K) F D
         constant(bent, 0.0)
+        constant(turn[i], 0.0)
         for j in range(2):
             add_scaled(bent, tensor[1 - i, j], moved[j])
-        constant(turn[i], 0.0)
+            add_scaled(turn[i], (1.0 - 2.0 * i) * base[1 - i, j], moved[j])
         add_product(turn[i], 1.0 - 2.0 * i, kappa, bent, n, order)
     square = work[4]
     constant(square, 0.0)
@@ -182,9 +184,13 @@ def neighbor_motion(
         add_product(q[6 + i], -side, f[0], turn[1 - i], n, order)
     constant(q[8], 1.0)
     add_product(q[8], -1.0, f[1], square, n, order)
-    constant(kappa, curvature)
-    if order > 0:
-        kappa[4] = 1.0
-    for i in range(3):
-        add_product(out[i], lifts[1], kappa, q[3 * i + 2], n, order)
-    add_scaled(out[2], -lifts[0], kappa)
+    height = work[4]
+    for side in range(2):
+        constant(height, lifts[side, 0] + lifts[side, 1] * curvature)
+        if order > 0:
+            height[4] = lifts[side, 1]
+        if side == 0:
+            add_scaled(out[2], -1.0, height)
+        else:
+            for i in range(3):
+                add_product(out[i], 1.0, height, q[3 * i + 2], n, order)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import Bend, TensorBend
+from flexscale.embedding.curvature_map import UNIT_CURVATURES, Bend, TensorBend
 from flexscale.embedding.pair_kernels import LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
 from flexscale.homogenize.keep_many_apart import keep_many_apart
@@ -104,6 +104,19 @@ class BentJoints:
     def keep_apart(self, state: JointState, wanted: FloatArray) -> FloatArray | None:
         """A state near a wanted one to which no scales meet on the way from `state`."""
         return keep_many_apart(self.problem, state.world.y, wanted, self.bend)
+
+    def tensor_moments(self, state: JointState) -> FloatArray:
+        """(3,) (1/A) dE/dk by k_xx, k_yy and 2 k_xy at fixed z [N]; see `moment`."""
+        k = self.bend.base + self.bend.curvature * self.bend.tensor
+        moments = np.empty(3)
+        for i, tensor in enumerate(UNIT_CURVATURES):
+            bent = BentJoints(self.problem, TensorBend(0.0, tensor, k))
+            gradient = np.zeros(self.problem.embedding.n_unknowns + 1)
+            self.problem.assemble(
+                self.problem.embedding.place(state.z, bent.bend), bent.bend, gradient
+            )
+            moments[i] = gradient[-1] / self.problem.area
+        return moments
 
     def steady(self, state: JointState) -> bool:
         """Always: `keep_apart` makes its own matrices."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import Bend, TensorBend
+from flexscale.embedding.curvature_map import UNIT_CURVATURES, Bend, TensorBend
 from flexscale.embedding.joint_kernels import all_openings
 from flexscale.embedding.rigid_cell import RigidCell, find_rigid_scales
 from flexscale.errors import PatternError
@@ -94,9 +94,7 @@ class JointCell(JointProblem):
         """Answers of the flat cell to small bends; its system is left factorized at rest."""
         cell = self.embedding
         # Of energies quadratic in k: those of kappa_xx, kappa_yy, 2 kappa_xy, and of two at a time.
-        units = np.array(
-            [[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]]
-        )
+        units = UNIT_CURVATURES
         rates, loads = [], []
         fixed = np.empty((3, 3))
         state = self.bent(TensorBend(0.0, units[0])).evaluate(cell.rest)

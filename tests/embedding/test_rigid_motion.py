@@ -21,16 +21,17 @@ from tests.derivatives import directional_difference, relative_error
 from tests.mechanics.test_jets import hessian_of
 
 WAY = np.array([7.0, 3.0])
-LIFTS = np.array([1.3, 2.1])
+LIFTS = np.array([[0.02, 1.3], [0.05, 2.1]])  # mm at the base, and by kappa, of two anchors
 ARM = np.array([3.0, 1.0, 0.2])
 TENSOR = np.array([[0.8, 0.3], [0.3, -0.5]])
+BASE = np.array([[0.01, -0.02], [-0.02, 0.03]])
 
 
 def pose_at(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple]:
     """Pose (4, 3), J (6, 16), and what second derivatives follow from."""
     size = jet_length(N_MOTION, 2)
     motion, work = np.empty((12, size)), np.zeros((12, 3, 3))
-    neighbor_motion(WAY, LIFTS, TENSOR, x[12:15], x[15], np.empty((10, size)), motion, 2)
+    neighbor_motion(WAY, LIFTS, BASE, TENSOR, x[12:15], x[15], np.empty((10, size)), motion, 2)
     turns, slopes, bends = np.empty((2, 3, 3)), np.empty((2, 3, 3, 3)), np.empty((2, 3, 3, 3, 3))
     for side, first in enumerate((3, 9)):
         rotation_of(x[first : first + 3], turns[side], slopes[side], bends[side], 2)
@@ -56,14 +57,16 @@ def expected(x: np.ndarray) -> np.ndarray:
     """t and G by scipy's exponential map and rotations, (4, 3)."""
     stretch = np.array([[x[12], x[14]], [x[14], x[13]]])
     moved = WAY + stretch @ WAY
-    turn = np.cross([*(x[15] * TENSOR @ moved), 0.0], [0.0, 0.0, 1.0])
+    turn = np.cross([*((BASE + x[15] * TENSOR) @ moved), 0.0], [0.0, 0.0, 1.0])
     twist = np.zeros((4, 4))
     twist[:3, :3] = np.cross(np.eye(3), -turn).T
     twist[:2, 3] = moved
     motion = expm(twist)
     first, second = rotation(x[3:6]), motion[:3, :3] @ rotation(x[9:12])
-    here = x[:3] + np.array([0.0, 0.0, x[15] * LIFTS[0]])
-    there = motion[:3, 3] + motion[:3, :3] @ (x[6:9] + np.array([0.0, 0.0, x[15] * LIFTS[1]]))
+    here = x[:3] + np.array([0.0, 0.0, LIFTS[0] @ [1.0, x[15]]])
+    there = motion[:3, 3] + motion[:3, :3] @ (
+        x[6:9] + np.array([0.0, 0.0, LIFTS[1] @ [1.0, x[15]]])
+    )
     return np.array([first.T @ (there - here), *(first.T @ second)])
 
 
@@ -157,8 +160,8 @@ def test_a_cylinder_does_not_care_over_which_scales_one_goes() -> None:
     for way in (np.array([7.0, 3.0]), np.array([-2.0, 9.0]), np.array([5.0, 12.0])):
         out = np.empty((12, 1))
         neighbor_motion(
-            way, np.zeros(2), np.outer(normal, normal), np.array([0.01, -0.02, 0.005]), 0.02,
-            np.empty((10, 1)), out, 0,
+            way, np.zeros((2, 2)), np.zeros((2, 2)), np.outer(normal, normal),
+            np.array([0.01, -0.02, 0.005]), 0.02, np.empty((10, 1)), out, 0,
         )  # fmt: skip
         motion = np.eye(4)
         motion[:3, 3], motion[:3, :3] = out[:3, 0], out[3:, 0].reshape(3, 3)

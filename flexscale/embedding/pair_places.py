@@ -30,8 +30,8 @@ class Pairs(NamedTuple):
     """Pairs of neighboring scales.
 
     scales : (n, 2) numbers; ways : (n, 2) from the first one's anchor to the second's, mm;
-    lifts : (n, 2, 2) heights of both anchors, mm, at k_0 and by kappa; n_motion : 4, or 0 where S and kappa are held;
-    n_unknowns : length of z.
+    lifts : (n, 2, 2) heights of both anchors, mm, at k_0 and by kappa; n_motion : 4, or 0 where S
+    and kappa are held; n_unknowns : length of z.
     """
 
     scales: IntArray

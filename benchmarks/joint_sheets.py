@@ -103,10 +103,8 @@ def powers(found: list[dict[str, float]], names: tuple[str, ...]) -> str:
     """How costs grow from the smallest sheet to the largest."""
     a, b = found[0], found[-1]
     span = np.log(b["scales"] / a["scales"])
-    told = ", ".join(
-        f"{name} by the power {np.log(b[name] / a[name]) / span:.2f}" for name in names
-    )
-    return f"From {a['scales']} to {b['scales']} scales grow {told}."
+    grown = [f"{name} by the power {np.log(b[name] / a[name]) / span:.2f}" for name in names]
+    return f"From {a['scales']} to {b['scales']} scales grow {', '.join(grown)}."
 
 
 def before_contact(largest: int) -> list[str]:

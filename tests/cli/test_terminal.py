@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 import os
 import signal
-import stat
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -14,7 +12,6 @@ from pathlib import Path
 import pytest
 import typer.main
 
-from flexscale import kernel_cache
 from flexscale.cli import doctor, main
 from flexscale.cli.terminal import Interrupted, interruptible
 
@@ -91,66 +88,6 @@ def test_commands_say_what_they_say_on_every_terminal(
     assert "this is a bug" not in err
     plain = [text.encode("ascii", "backslashreplace").decode() for text in (out, err)]
     assert said_by(monkeypatch, "ascii", given) == (code, *plain)
-
-
-def test_there_is_a_place_for_kernels_where_numba_finds_none(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(kernel_cache, "_where_numba_looks", lambda: [Path("/dev/null/cache")])
-    monkeypatch.setattr(kernel_cache.tempfile, "gettempdir", lambda: str(tmp_path))
-    monkeypatch.setenv("NUMBA_CACHE_DIR", "/dev/null/cache")
-    kernel_cache.provide_kernel_cache()
-    folder = Path(os.environ["NUMBA_CACHE_DIR"])
-    assert folder.parent == tmp_path
-    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-    kernel_cache.provide_kernel_cache()
-    assert os.environ["NUMBA_CACHE_DIR"] == str(folder)
-    folder.chmod(0o777)  # others could put in what we then run
-    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(tmp_path))
-    kernel_cache.provide_kernel_cache()
-    other = Path(os.environ["NUMBA_CACHE_DIR"])
-    assert other != folder
-    assert stat.S_IMODE(other.stat().st_mode) == 0o700
-
-
-def test_numba_keeps_its_place_where_it_has_one(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    monkeypatch.setattr(kernel_cache, "_where_numba_looks", lambda: [tmp_path / "new" / "folder"])
-    kernel_cache.provide_kernel_cache()
-    assert "NUMBA_CACHE_DIR" not in os.environ
-    assert not (tmp_path / "new").exists()
-
-
-#: Only a temporary folder can be written, as numba finds out by writing there.
-NO_HOME = """
-import os, sys, tempfile
-allowed, write = os.environ["TMPDIR"], tempfile.TemporaryFile
-def guarded(*arguments, dir=None, **options):
-    if dir is not None and not str(dir).startswith(allowed):
-        raise PermissionError(13, "Permission denied", dir)
-    return write(*arguments, dir=dir, **options)
-tempfile.TemporaryFile = guarded
-os.access = lambda path, mode: str(path).startswith(allowed)
-import flexscale.mechanics.linear_law
-print(os.environ["NUMBA_CACHE_DIR"])
-"""
-
-
-def test_kernels_load_for_somebody_without_a_home(tmp_path: Path) -> None:
-    """In an installation that is not theirs."""
-    environment = dict(os.environ) | {"TMPDIR": str(tmp_path), "HOME": "/dev/null"}
-    environment.pop("NUMBA_CACHE_DIR", None)
-    done = subprocess.run(
-        [sys.executable, "-c", NO_HOME],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip() == str(tmp_path / f"flexscale-kernels-{os.getuid()}")
 
 
 def test_plots_of_commands_need_no_window(monkeypatch: pytest.MonkeyPatch) -> None:

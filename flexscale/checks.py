@@ -131,11 +131,6 @@ def series(unit: str, name: str = "") -> Check:
     return lambda value, label: units.require_series(value, name or label, unit)
 
 
-def array(unit: str, name: str = "") -> Check:
-    """Finite numbers in an array of any shape."""
-    return lambda value, label: units.require_array(value, name or label, unit)
-
-
 def point(unit: str, name: str = "") -> Check:
     """Two numbers (x, y)."""
 

@@ -74,16 +74,6 @@ class Schema:
         return {item.name: item for item in (*SCALARS, *self.coordinates, *self.variables)}
 
 
-def derive(values: xr.DataArray, name: str, units: str, long_name: str) -> xr.DataArray:
-    """Name a computed array and give it its own attributes.
-
-    Needed since arithmetic keeps the wrong ones: m**2 and m/m still say "N".
-    """
-    result = values.rename(name)
-    result.attrs = {"units": units, "long_name": long_name}
-    return result
-
-
 def statuses(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Statuses of a dataset by what they are of: "" for its only one, "mandrel" for
     `mandrel_status`; {} for datasets without samples."""

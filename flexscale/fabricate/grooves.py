@@ -5,8 +5,8 @@ from __future__ import annotations
 import shapely
 
 from flexscale.fabricate.options import Grooves
-from flexscale.fabricate.walls import GRID, inset, on_grid, opened, polygonal
-from flexscale.patterns.overlay import difference, union
+from flexscale.fabricate.walls import GRID, inset, on_grid, opened
+from flexscale.patterns.overlay import difference
 
 _WIDER = 4.0 * GRID  # added to every width, so that rounding to the grid makes none too narrow
 
@@ -35,9 +35,3 @@ def groove_rings(base: shapely.Polygon, grooves: Grooves) -> list[shapely.Polygo
         rings += [ring for ring in shapely.get_parts(found) if ring.area > 0.5 * width**2]
         outside = opened(inset(inside, spacing), width, spacing)
     return rings
-
-
-def substrate_between(base: shapely.Polygon, rings: list[shapely.Polygon]) -> list[shapely.Polygon]:
-    """What stands of the substrate between the grooves under one scale."""
-    left = difference(base, union(rings))
-    return list(shapely.get_parts(polygonal(left)))

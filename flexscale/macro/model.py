@@ -79,11 +79,6 @@ class MacroModel:
         return before + sum(b.n_parameters + k.n_parameters for b, k in per_side)
 
     @property
-    def one_sided(self) -> bool:
-        """Whether one side was not sampled; a tensor that bends to it finds no contact there."""
-        return len(self.sides) < len(SIDES)
-
-    @property
     def largest_curvature(self) -> float:
         """mm-1, the largest of the sweep; the model extrapolates beyond."""
         return self.polar.largest_curvature

@@ -14,11 +14,6 @@ from numba import njit
 from flexscale.arrays import FloatArray
 
 
-def jet_size(n: int) -> int:
-    """Length of a jet of n variables."""
-    return 1 + n + n * n
-
-
 @njit(cache=True, error_model="numpy")
 def jet_length(n: int, order: int) -> int:
     """Length of a jet of n variables that carries derivatives up to an order."""
@@ -30,14 +25,6 @@ def constant(out: FloatArray, value: float) -> None:
     """A number without derivatives."""
     out[:] = 0.0
     out[0] = value
-
-
-@njit(cache=True, error_model="numpy")
-def variable(out: FloatArray, value: float, index: int) -> None:
-    """One of the variables."""
-    out[:] = 0.0
-    out[0] = value
-    out[1 + index] = 1.0
 
 
 @njit(cache=True, error_model="numpy")

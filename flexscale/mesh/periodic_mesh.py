@@ -96,21 +96,6 @@ class PeriodicMesh:
         return len(self.scale_positions)
 
     @property
-    def n_tets(self) -> int:
-        """Number of tets of all scales."""
-        return len(self.tets)
-
-    @property
-    def n_base(self) -> int:
-        """Number of triangles of all scales' bases."""
-        return len(self.base_triangles)
-
-    @property
-    def n_surface(self) -> int:
-        """Number of triangles of all scales' surfaces."""
-        return len(self.surface_triangles)
-
-    @property
     def cell_area(self) -> float:
         """Area of the lattice cell, mm²."""
         return float(np.linalg.det(self.lattice))

@@ -86,21 +86,6 @@ def crossed_rectangle(
     return SheetMesh(np.concatenate([grid, middles]), np.concatenate(triangles))
 
 
-def diagonal_rectangle(
-    x: tuple[float, float], y: tuple[float, float], cells: tuple[int, int]
-) -> SheetMesh:
-    """[x0, x1] x [y0, y1] in `cells` rectangles, cut in two along alternating diagonals."""
-    nx, ny = _counted(cells)
-    xs, ys = np.linspace(*x, nx + 1), np.linspace(*y, ny + 1)
-    grid = np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1).reshape(-1, 2)
-    i, j = np.mgrid[:nx, :ny].reshape(2, -1)
-    a, b, c, d = (_node(i + p, j + q, ny) for p, q in ((0, 0), (1, 0), (1, 1), (0, 1)))
-    rising = ((i + j) % 2 == 0)[:, None, None]
-    up = np.stack([np.stack([a, b, c], 1), np.stack([a, c, d], 1)], axis=1)
-    down = np.stack([np.stack([a, b, d], 1), np.stack([b, c, d], 1)], axis=1)
-    return SheetMesh(grid, np.where(rising, up, down).reshape(-1, 3))
-
-
 def staggered_rectangle(length: float, width: float, cells: tuple[int, int]) -> SheetMesh:
     """[0, length] x [0, width] in cells[1] rows of nearly equilateral triangles, 2 cells[0] + 1 a
     row: three edge directions, none of them preferred."""

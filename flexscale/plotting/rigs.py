@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,6 @@ from flexscale.plotting.style import (
     COLUMN_WIDTH,
     FAILED_COLOR,
     MACRO_COLOR,
-    NATIVE_COLOR,
     PAGE_WIDTH,
     SCALE_COLOR,
     SIDE_LINESTYLES,
@@ -29,8 +28,6 @@ from flexscale.plotting.style import (
     new_figure,
 )
 
-#: Color, line and marker of the native model, and of macro models in their order.
-_MODEL_LOOKS = ((NATIVE_COLOR, "-", "o"), (MACRO_COLOR, "--", "s"), (SCALE_COLOR, ":", "^"))
 _FAILED_NOTE = "× at the rim: not converged, left out of the curve"
 _NEEDED = {
     "mandrel": ["mandrel_force", "mandrel_status", "angle", "side", "mandrel_indentation"],
@@ -116,44 +113,6 @@ def mandrels(tests: Sequence[tuple[xr.Dataset, xr.Dataset]], side: str, columns:
             label = axis_label(dataset["mandrel_force"])
             axes.set_title(f"{subject(dataset)}, {side}\n{label}")
         add_note(figure, list(dict.fromkeys(notes)))
-    return figure
-
-
-def compared_stages(native: xr.Dataset, macro: Mapping[str, xr.Dataset]) -> Figure:
-    """Force on the same strip by all models, against the shortening; one panel a side.
-
-    Parameters
-    ----------
-    native : dataset of kind native_rig.
-    macro : one or two datasets of kind rig, by the names of their models.
-
-    Raises
-    ------
-    SchemaError : other datasets.
-    UnknownNameError : a side that the macro strip was not bent to.
-    """
-    for dataset in (native, *macro.values()):
-        require_variables(dataset, _NEEDED["stage"], "A comparison of strips on the stage")
-    sides = pick_sides(native, None)
-    for dataset in macro.values():
-        pick_sides(dataset, sides)
-    models = {"native": native, **macro}
-    with flexscale_style():
-        figure = new_figure(COLUMN_WIDTH * (0.25 + 0.95 * len(sides)), COLUMN_WIDTH * 0.8)
-        for column, side in enumerate(sides):
-            axes = figure.add_subplot(1, len(sides), column + 1)
-            for (label, dataset), look in zip(models.items(), _MODEL_LOOKS, strict=False):
-                color, line, marker = look
-                shown = dataset["stage_force"].sel(side=side)
-                shown = shown.where(dataset["stage_status"].sel(side=side) == 0)
-                axes.plot(shown["shortening"], shown, color=color, linestyle=line, marker=marker,
-                          markersize=3.0, label=label)  # fmt: skip
-            axes.set_xlabel(axis_label(native["shortening"]))
-            axes.set_ylabel(axis_label(native["stage_force"]))
-            axes.set_xlim(0.0, 1.05 * float(native["shortening"].max()))
-            axes.set_ylim(bottom=0.0)
-            axes.set_title(f"{subject(native)}, {side}".lstrip(", "))
-            axes.legend()
     return figure
 
 

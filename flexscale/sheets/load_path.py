@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,8 +13,6 @@ from flexscale.solve.continuation import Stepping, advance
 from flexscale.solve.newton import Solution
 from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
-
-log = logging.getLogger(__name__)
 
 _PROBE = 1e-6  # change of the factor for the tangent
 #: Six halvings; a sheet that is near its equilibrium gets all the iterations that it needs.

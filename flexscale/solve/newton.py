@@ -27,13 +27,6 @@ NEAR_SADDLE = 1e-6  # Newton decrement, relative to the energy, from which a sad
 MOST_MODES = 12  # that curve downward and are turned over one by one
 
 
-class Evaluation(Protocol):
-    """Energy and gradient at a state."""
-
-    energy: float
-    gradient: FloatArray
-
-
 class Objective(Protocol):
     """What Newton's method needs; vectors are over the active unknowns unless called full."""
 
@@ -46,7 +39,8 @@ class Objective(Protocol):
         """Linear systems on the present pattern of nonzeros."""
 
     def evaluate(self, z: FloatArray) -> Any:
-        """Evaluation at the full state z; infinite energy where it is inadmissible."""
+        """What is known at the full state z, with `energy`, N mm, and `gradient`; the energy is
+        infinite where z is inadmissible."""
 
     def hessian_values(self, evaluation: Any, project: str = NOTHING) -> FloatArray:
         """Upper-triangle values at an evaluated state; a grown pattern replaces `system`."""

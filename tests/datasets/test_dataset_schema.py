@@ -11,7 +11,6 @@ from flexscale.datasets.given import require_variables
 from flexscale.datasets.kinds.sweep import build_sweep_dataset
 from flexscale.datasets.kinds.tangent import build_tangent_dataset
 from flexscale.datasets.schema import SCHEMAS
-from flexscale.datasets.variables import derive
 from flexscale.errors import MissingDataError, SchemaError, UnknownNameError
 from flexscale.status import SolveStatus
 from tests.datasets.dataset_samples import SCALARS, cell, shape, sweep, sweep_arrays
@@ -182,13 +181,6 @@ def test_sample_picks_stored_samples_and_refuses_what_lies_between() -> None:
         dataset.fs.sample("momnet")
     with pytest.raises(UnknownNameError, match="Did you mean 'closing'"):
         dataset.fs.sample("moment", side="closed")
-
-
-def test_derive_replaces_units() -> None:
-    moment = sweep()["moment"]
-    squared = derive(moment**2, "moment_squared", "N2", "squared moment")
-    assert squared.attrs == {"units": "N2", "long_name": "squared moment"}
-    assert moment.attrs["units"] == "N"
 
 
 def test_an_axis_that_has_a_value_twice_tells_nothing_apart() -> None:

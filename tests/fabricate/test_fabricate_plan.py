@@ -12,7 +12,7 @@ import shapely.affinity
 import flexscale as fs
 from flexscale.errors import FabricationError, UnitRangeError, UnknownNameError
 from flexscale.fabricate import Disc, Grooves, Layout, Printer, Rectangle
-from flexscale.fabricate.grooves import groove_rings, substrate_between
+from flexscale.fabricate.grooves import groove_rings
 from flexscale.fabricate.plan import build_plan
 from flexscale.fabricate.shapes import circle_points
 from flexscale.fabricate.walls import (
@@ -20,9 +20,11 @@ from flexscale.fabricate.walls import (
     is_printable,
     lost_fins,
     opened,
+    polygonal,
     smallest_wall,
     without_thin_parts,
 )
+from flexscale.patterns.overlay import difference, union
 from tests.sampling import every
 
 NAMES = every(3, [entry.name for entry in fs.named_patterns()])
@@ -119,6 +121,11 @@ def test_rings_of_a_square_have_the_areas_of_squares() -> None:
     assert all(len(ring.interiors) == 1 for ring in rings)
     assert groove_rings(shapely.box(-5, -5, 5, 5), Grooves(depth=0.0)) == []
     assert groove_rings(shapely.box(-1, -5, 1, 5), Grooves()) == []
+
+
+def substrate_between(base, rings):
+    """What stands of the substrate between the grooves under one scale."""
+    return list(shapely.get_parts(polygonal(difference(base, union(rings)))))
 
 
 @pytest.mark.parametrize("name", NAMES)

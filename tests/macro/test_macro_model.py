@@ -126,7 +126,7 @@ def test_tangent_comes_from_the_recipe_of_a_sweep() -> None:
 
 def test_one_sided_sweep_marks_the_model() -> None:
     found = fs.fit(law_sweep(opening=None), tangent())
-    assert found.one_sided
+    assert found.sides == ("closing",)
     assert "one-sided: opening was not sampled" in repr(found)
     opened = found.tensor_energy(uniaxial(-0.03, 20.0))
     assert opened == pytest.approx(0.5 * a_of(np.array(20.0)) * 0.03**2, rel=1e-9)

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from flexscale.mechanics.jets import jet_size
+from flexscale.mechanics.jets import jet_length
 from flexscale.mechanics.prism_contact import PrismContact, find_prism_rows
 from flexscale.mechanics.prism_kernels import (
     N_WORK,
@@ -57,7 +57,7 @@ def test_distances_are_those_of_the_nearest_points(is_wall: bool) -> None:
 
 @pytest.mark.parametrize("is_wall", [True, False])
 def test_barrier_has_exact_derivatives(is_wall: bool) -> None:
-    size = jet_size(N)
+    size = jet_length(N, 2)
     work, out = np.empty((N_WORK, size)), np.empty(size)
 
     def jet(y: np.ndarray, d_hat: float) -> np.ndarray:

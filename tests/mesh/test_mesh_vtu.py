@@ -42,9 +42,9 @@ def test_mesh_comes_back(tmp_path: Path, order: int, corners: int, kind: int) ->
     assert np.allclose(points[tets], mesh.scale_positions[mesh.tets])
     assert arrays["offsets"].tolist() == [
         *range(3, n_sheet + 1, 3),
-        *range(n_sheet + corners, n_sheet + corners * mesh.n_tets + 1, corners),
+        *range(n_sheet + corners, n_sheet + corners * len(mesh.tets) + 1, corners),
     ]
-    assert arrays["types"].tolist() == [5] * mesh.n_triangles + [kind] * mesh.n_tets
+    assert arrays["types"].tolist() == [5] * mesh.n_triangles + [kind] * len(mesh.tets)
     assert np.array_equal(arrays["scale"], np.concatenate([mesh.triangle_scale, mesh.tet_scale]))
 
 

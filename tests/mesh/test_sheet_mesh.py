@@ -10,7 +10,6 @@ from flexscale.mesh.sheet import (
     SheetMesh,
     annulus,
     crossed_rectangle,
-    diagonal_rectangle,
     disc,
     rectangle,
     staggered_rectangle,
@@ -18,7 +17,6 @@ from flexscale.mesh.sheet import (
 
 MESHES = {
     "crossed": (lambda: crossed_rectangle((0.0, 4.0), (-1.0, 2.0), (4, 3)), 12.0, 1),
-    "diagonal": (lambda: diagonal_rectangle((0.0, 4.0), (-1.0, 2.0), (4, 3)), 12.0, 1),
     "staggered": (lambda: staggered_rectangle(4.0, 3.0, (5, 4)), 12.0, 1),
     "disc": (lambda: disc(2.0, 12, hub=0.5), 4.0 * np.pi, 1),
     "annulus": (lambda: annulus(1.0, 2.0, (3, 40)), 3.0 * np.pi, 0),

@@ -13,12 +13,10 @@ import xarray as xr
 
 import flexscale as fs
 from flexscale.datasets.checks import check_dataset
-from flexscale.datasets.device_variables import build_rig_dataset
 from flexscale.datasets.schema import SCHEMAS
 from flexscale.datasets.sheet_variables import build_sheet_dataset
 from flexscale.datasets.store import Store
 from flexscale.errors import BadInputError, MissingDataError, SchemaError, UnknownNameError
-from flexscale.plotting.rigs import compared_stages
 from flexscale.plotting.style import MACRO_COLOR, NATIVE_COLOR
 from flexscale.status import SolveStatus
 from flexscale.steps.catalog import FIGURES, STEPS
@@ -325,51 +323,3 @@ def test_a_sheet_that_failed_still_says_where() -> None:
     check_dataset(dataset, "sheet")
     assert dataset["signed_curvature"].values.tolist() == [[0.0, 0.01], [0.0, -0.01]]
     assert np.isnan(dataset["energy"].values).tolist() == [[False, False], [False, True]]
-
-
-@pytest.fixture(scope="module")
-def native_rig(made) -> xr.Dataset:
-    """Half of what the macro strip carries; the last sample failed."""
-    names = ("force", "energy", "deflection", "newton_iterations", "negative_eigenvalues", "status")
-    stage = {name: made["rig"][f"stage_{name}"].values.copy() for name in names}
-    stage["force"] *= 0.5
-    stage["min_gap"], stage["contact_pairs"] = np.full((2, 2), 0.1), np.zeros((2, 2))
-    stage["outside_range"] = np.zeros((2, 2))
-    stage["status"][1, 1] = SolveStatus.max_iterations
-    for name in ("force", "energy", "deflection", "min_gap"):
-        stage[name][1, 1] = np.nan
-    sizes = {"shortening": [1.0, 10.0], "length": 100.0, "width": 50.0, "direction": 30.0}
-    sizes |= {"n_scales": 50, "n_unknowns": 300}
-    return build_rig_dataset(
-        SCHEMAS["native_rig"],
-        ("closing", "opening"),
-        {"stage": stage | sizes},
-        scalars={"family": "IH20", "pattern": "hexagon"},
-        config={},
-    )
-
-
-def test_a_native_strip_beside_the_fit(made, native_rig) -> None:
-    check_dataset(native_rig, "native_rig")
-    assert len(failed_samples(native_rig)) == 1
-    closing, opening = compared_stages(native_rig, {"macro": made["rig"]}).axes
-    native, macro = closing.lines
-    np.testing.assert_allclose(2.0 * native.get_ydata(), macro.get_ydata())
-    assert np.isnan(opening.lines[0].get_ydata()[1])
-    assert closing.get_xlabel() == "shortening of the strip [mm]"
-    with pytest.raises(SchemaError, match="strips on the stage"):
-        compared_stages(native_rig, {"macro": made["sheet"]})
-
-
-def test_native_strips_have_numbers_where_they_converged(native_rig) -> None:
-    spoiled = native_rig.copy(deep=True)
-    spoiled["stage_force"].values[1, 1] = 1.0
-    with pytest.raises(SchemaError, match="converged samples only"):
-        check_dataset(spoiled, "native_rig")
-    with pytest.raises(SchemaError, match="lacks stage: stage_outside_range"):
-        check_dataset(native_rig.drop_vars("stage_outside_range"), "native_rig")
-    with (
-        xr.set_options(keep_attrs=True),
-        pytest.raises(SchemaError, match="strictly increasing"),
-    ):
-        check_dataset(native_rig.isel(shortening=[1, 0]), "native_rig")

@@ -15,25 +15,55 @@ from flexscale.datasets.sheet_variables import COUNTS, Measured, check_sizes, nu
 from flexscale.datasets.variables import STATUS_ATTRS, Schema, Variable
 from flexscale.errors import SchemaError
 
+#: Name, unit and long name.
+Measurement = tuple[str, str, str]
+#: Device -> its part, its axis, and what it alone measures.
+_DEVICES: dict[str, tuple[str, str, tuple[Measurement, ...]]] = {
+    "mandrel": ("disc", "angle", (("force", "N", "force of the probe"),)),
+    "stage": (
+        "strip",
+        "shortening",
+        (
+            ("force", "N", "force on the hinges"),
+            ("deflection", "mm", "deflection of the middle, to the outer side of the arc"),
+        ),
+    ),
+}
 
-def of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> Measured:
-    """Variables of one device over side and its own axis; a dataset has all of them or none."""
-    dims = ("side", axis)
-    common = (
-        ("energy", "N mm", f"elastic energy of the {part}"),
-        ("largest_curvature", "mm-1", f"largest principal curvature in the {part}"),
-    )
-    numbers = tuple(
-        Variable(f"{device}_{name}", dims, "float64", units, long_name, True)
-        for name, units, long_name in (*own, *common)
-    )
-    counts = tuple(
-        Variable(f"{device}_{name}", dims, "int32", "1", f"{long_name}, {part}", True)
-        for name, long_name in COUNTS
-    )
-    end = f"end of the solve, {part}"
-    status = Variable(f"{device}_status", dims, "int8", "1", end, True, STATUS_ATTRS)
-    return (*numbers, *counts, status)
+
+def device_variables(
+    measured: Measurement,
+    counted: Sequence[tuple[str, str]] = COUNTS,
+    sizes: Sequence[tuple[str, str]] = (),
+) -> dict[str, Measured]:
+    """Variables of each device over side and its own axis; a dataset has all of them or none.
+
+    Parameters
+    ----------
+    measured : name, unit and long name of what a kind measures on either, "{part}" in the latter.
+    counted, sizes : names and long names of whole numbers of each sample, and of each device.
+    """
+    found = {}
+    for device, (part, axis, own) in _DEVICES.items():
+        dims = ("side", axis)
+        numbers = (*own, ("energy", "N mm", "elastic energy of the {part}"), measured)
+        end = f"end of the solve, {part}"
+        found[device] = (
+            *(
+                Variable(
+                    f"{device}_{name}", dims, "float64", units, meaning.format(part=part), True
+                )
+                for name, units, meaning in numbers
+            ),
+            *(_count(f"{device}_{name}", dims, f"{meaning}, {part}") for name, meaning in counted),
+            Variable(f"{device}_status", dims, "int8", "1", end, True, STATUS_ATTRS),
+            *(_count(f"{device}_{name}", (), f"{meaning}, {part}") for name, meaning in sizes),
+        )
+    return found
+
+
+def _count(name: str, dims: tuple[str, ...], long_name: str) -> Variable:
+    return Variable(name, dims, "int32", "1", long_name, True)
 
 
 def size(name: str, units: str, long_name: str) -> Variable:
@@ -45,7 +75,7 @@ STRIP = (
     number("stage_width", (), "mm", "width of the strip"),
     number("stage_direction", (), "degree", "direction of the length in the pattern's coordinates"),
 )
-#: Device -> its axis, sizes and variables; a dataset of kind rig has one device or both.
+#: Device -> its axis and sizes.
 DEVICE_COORDINATES = {
     "mandrel": (
         Variable("angle", ("angle",), "float64", "degree", "angle around the rim", True),
@@ -56,16 +86,6 @@ DEVICE_COORDINATES = {
     "stage": (
         Variable("shortening", ("shortening",), "float64", "mm", "shortening of the strip", True),
         *(replace(item, optional=True) for item in STRIP),
-    ),
-}
-DEVICE_VARIABLES = {
-    "mandrel": of_device("mandrel", "disc", "angle", ("force", "N", "force of the probe")),
-    "stage": of_device(
-        "stage",
-        "strip",
-        "shortening",
-        ("force", "N", "force on the hinges"),
-        ("deflection", "mm", "deflection of the middle, to the outer side of the arc"),
     ),
 }
 

@@ -23,7 +23,12 @@ from flexscale.finite.sheet_scales import require_moderate_scales
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.native_model import NativeModel, native_model, require_joints
-from flexscale.mechanics.load_series import SHORTENINGS, finite_series, require_shortenings
+from flexscale.mechanics.load_series import (
+    RIM_ANGLES,
+    SHORTENINGS,
+    finite_series,
+    require_shortenings,
+)
 from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SIDE_SIGNS, SOME_SIDES
 from flexscale.status import SolveStatus
@@ -31,8 +36,6 @@ from flexscale.status import SolveStatus
 if TYPE_CHECKING:
     import xarray as xr
 
-#: degree, around the rim, if nothing else is said.
-ANGLES = tuple(5.0 * k for k in range(72))
 HUB = 10.0  # mm; the paper gives none
 _REAL = ("force", "energy", "min_gap")
 _COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs", "outside_range")
@@ -160,7 +163,7 @@ def simulate_native_mandrel(
     radius: float = 100.0,
     hub: float = HUB,
     indentation: float = 15.0,
-    angles: Sequence[float] = ANGLES,
+    angles: Sequence[float] = RIM_ANGLES,
     sides: Sequence[str] = ("closing", "opening"),
     model: NativeModel | str = "joints",
     checkpoint: Checkpoint | None = None,

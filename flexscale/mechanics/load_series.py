@@ -13,6 +13,8 @@ from flexscale.units import require_increasing, require_positive, require_series
 
 #: mm, how far the hinges of a stage have come closer if nothing else is said.
 SHORTENINGS = (0.5, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0)
+#: degree, where the mandrel pushes the rim of a disc of scales if nothing else is said.
+RIM_ANGLES = tuple(5.0 * k for k in range(72))
 
 
 def finite_series(values: ArrayLike, name: str, unit: str) -> FloatArray:

@@ -4,55 +4,24 @@ from __future__ import annotations
 
 import xarray as xr
 
-from flexscale.datasets.device_variables import DEVICE_COORDINATES, check_devices
-from flexscale.datasets.sheet_variables import COUNTS, Measured
-from flexscale.datasets.variables import SIDE, STATUS_ATTRS, Schema, Variable
+from flexscale.datasets.device_variables import (
+    DEVICE_COORDINATES,
+    check_devices,
+    device_variables,
+)
+from flexscale.datasets.sheet_variables import COUNTS
+from flexscale.datasets.variables import SIDE, Schema
 from flexscale.errors import SchemaError
 
-_COUNTS = (
-    *COUNTS,
-    ("contact_pairs", "active contact pairs"),
-    ("outside_range", "stations of joints beyond the range of their law"),
-)
-
-
-def _of_device(device: str, part: str, axis: str, *own: tuple[str, str, str]) -> Measured:
-    dims = ("side", axis)
-    numbers = (
-        *own,
-        ("energy", "N mm", f"elastic energy of the {part}"),
-        ("min_gap", "mm", f"smallest distance between scales of the {part}"),
-    )
-    sizes = (("n_scales", "scales, cut ones included"), ("n_unknowns", "unknowns of the model"))
-    return (
-        *(
-            Variable(f"{device}_{name}", dims, "float64", units, long_name, True)
-            for name, units, long_name in numbers
-        ),
-        *(
-            Variable(f"{device}_{name}", dims, "int32", "1", f"{long_name}, {part}", True)
-            for name, long_name in _COUNTS
-        ),
-        Variable(
-            f"{device}_status", dims, "int8", "1", f"end of the solve, {part}", True, STATUS_ATTRS
-        ),
-        *(
-            Variable(f"{device}_{name}", (), "int32", "1", f"{long_name}, {part}", True)
-            for name, long_name in sizes
-        ),
-    )
-
-
-VARIABLES = {
-    "mandrel": _of_device("mandrel", "disc", "angle", ("force", "N", "force of the probe")),
-    "stage": _of_device(
-        "stage",
-        "strip",
-        "shortening",
-        ("force", "N", "force on the hinges"),
-        ("deflection", "mm", "deflection of the middle, to the outer side of the arc"),
+VARIABLES = device_variables(
+    ("min_gap", "mm", "smallest distance between scales of the {part}"),
+    counted=(
+        *COUNTS,
+        ("contact_pairs", "active contact pairs"),
+        ("outside_range", "stations of joints beyond the range of their law"),
     ),
-}
+    sizes=(("n_scales", "scales, cut ones included"), ("n_unknowns", "unknowns of the model")),
+)
 
 
 def _check_native_rig(dataset: xr.Dataset) -> None:

@@ -6,15 +6,19 @@ import xarray as xr
 
 from flexscale.datasets.device_variables import (
     DEVICE_COORDINATES,
-    DEVICE_VARIABLES,
     check_devices,
+    device_variables,
 )
 from flexscale.datasets.variables import SIDE, Schema
+
+VARIABLES = device_variables(
+    ("largest_curvature", "mm-1", "largest principal curvature in the {part}")
+)
 
 
 def _check_rig(dataset: xr.Dataset) -> None:
     """One device or both, each complete, with numbers exactly where it converged."""
-    check_devices(dataset, "rig", DEVICE_VARIABLES)
+    check_devices(dataset, "rig", VARIABLES)
 
 
 RIG = Schema(
@@ -22,6 +26,6 @@ RIG = Schema(
     1,
     "Macro model on the testing devices: disc on the mandrel, strip on the stage",
     coordinates=(SIDE, *DEVICE_COORDINATES["mandrel"], *DEVICE_COORDINATES["stage"]),
-    variables=(*DEVICE_VARIABLES["mandrel"], *DEVICE_VARIABLES["stage"]),
+    variables=(*VARIABLES["mandrel"], *VARIABLES["stage"]),
     check=_check_rig,
 )

@@ -9,6 +9,7 @@ from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from flexscale.homogenize.native_model import NativeModel, require_joints
+from flexscale.mechanics.load_series import RIM_ANGLES
 from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SIDES
 from flexscale.steps.blocks import Directions, Sides
@@ -22,14 +23,12 @@ if TYPE_CHECKING:
 
     from flexscale.steps.experiment import Experiment
 
-_ANGLES = tuple(5.0 * k for k in range(72))
-
 
 class NativeMandrelBlock(MandrelBlock):
     """A disc of scales clamped at its hub and pushed around its rim."""
 
     angles: Directions = declared(
-        _ANGLES, "where it is pushed, increasing, from 0 to below 360", min_length=1
+        RIM_ANGLES, "where it is pushed, increasing, from 0 to below 360", min_length=1
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from flexscale.homogenize.native_model import NativeModel
-from flexscale.homogenize.scale_modes import SheetSupport
+from flexscale.homogenize.scale_loads import SheetSupport
 from flexscale.mechanics.contact_options import ContactOptions
 from flexscale.mechanics.scale_options import ScaleOptions
 from flexscale.mechanics.substrate_options import SubstrateOptions

@@ -1,14 +1,12 @@
-"""The modes of a scale: its elastic responses to the loads that sheet and contact put on it.
+"""The modes of a scale: the few elastic displacements by which a scale yields to its loads.
 
-A scale of hard material hardly strains, but where the sheet pulls it gives way, and that halves the
-stiffness of some patterns. Its finite elements need many unknowns for that, of which few matter:
-those in which the scale is soft compared to what pulls there. With f_j the unit loads on its points
-and vectors, each times the root of a stiffness k_j of what hangs on them (the strip of sheet along
-the outline, or the neighbor that it touches), and C_ij = f_i . K^-1 f_j, the eigenvalues of C are
-the ratios of the two compliances; modes with a ratio above a cutoff are kept.
-
-The strip of width g, thickness t and plate stiffness D that is held on its other side pulls per
-length with E t / g in the plane and 12 D / g^3 across, and turns with 4 D / g.
+A scale of hard material strains little, but it yields where the sheet pulls on it, and that halves
+the stiffness of some patterns. Its finite elements have many unknowns, of which few combinations
+matter: those in which the scale is soft compared to what pulls on it. Let f_j be the unit loads on
+the scale's points and vectors, each times the root of the stiffness k_j of what pulls there
+(`scale_loads`), K the scale's stiffness, and C_ij = f_i . K^-1 f_j. An eigenvalue of C is the
+compliance of the scale over the compliance of what pulls on it. The modes whose eigenvalue is above
+a cutoff are kept.
 """
 
 from __future__ import annotations
@@ -17,57 +15,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.bodies import N_STRAINS, STRAIN_PAIRS, Body
 from flexscale.embedding.cell import CellEmbedding
 from flexscale.embedding.curvature_map import BODY_POINT
 from flexscale.embedding.scale_nodes import PointNodes
-from flexscale.embedding.solid_cell import SolidCell
+from flexscale.homogenize.scale_loads import SheetSupport, components, unit_loads
 from flexscale.mechanics.energy import block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanTets
 from flexscale.mesh.periodic_mesh import PeriodicMesh
 from flexscale.patterns import NeoHookean
 from flexscale.solve.linear import build_factorization
 
-_PULLED = 1.0  # thickness, from the outline inward, in which a solid sheet pulls at the base
 _AT_ONCE = 64  # loads that are solved for together
 _CONGRUENT = 1e-9  # of a scale's size: copies may differ by rounding
 _SAME = 1e-5  # eigenvalues closer than this are a pair that symmetry makes: both or none are kept
-
-
-@dataclass(frozen=True)
-class SheetSupport:
-    """What hangs on a scale: a strip of sheet all along its outline, and neighbors.
-
-    Attributes
-    ----------
-    stretching, lifting : N/mm2 per length of the strip, for displacements in the plane and across.
-    turning : N per length, for gradients.
-    touching : N/mm2 per length of the outline, of a neighbor.
-    bearing : N/mm3 per area of the base, of a solid sheet.
-    """
-
-    stretching: float
-    lifting: float
-    turning: float
-    touching: float
-    bearing: float
-
-    @classmethod
-    def of_strip(
-        cls, young_modulus: float, thickness: float, bending_stiffness: float, gap: float
-    ) -> SheetSupport:
-        """The strip of sheet in the gap; moduli in MPa, lengths in mm, stiffness in N mm."""
-        stretching = young_modulus * thickness / gap
-        return cls(
-            stretching,
-            12.0 * bending_stiffness / gap**3,
-            4.0 * bending_stiffness / gap,
-            stretching,
-            young_modulus / thickness,
-        )
 
 
 def build_bodies(
@@ -79,8 +42,7 @@ def build_bodies(
     """Bodies of all scales of a cell whose scales are points (`PointNodes`)."""
     nodes = embedding.nodes
     assert isinstance(nodes, PointNodes)
-    of_base = isinstance(embedding, SolidCell)
-    loads = (_base_loads if of_base else _loads)(embedding, nodes, support)
+    loads = unit_loads(embedding, nodes, support)
     shares = embedding.vertex_shares()
     known: list[_Modes] = []
     return [
@@ -143,7 +105,7 @@ def _build_body(
     modes."""
     mesh = embedding.mesh
     vertices = np.unique(mesh.tets[mesh.tet_scale == scale])
-    own = sp.csc_array(sp.csr_array(loads[_components(vertices)]))
+    own = sp.csc_array(sp.csr_array(loads[components(vertices)]))
     own = own[:, np.flatnonzero(np.diff(own.indptr))]
     carried = np.flatnonzero(mesh.vertex_scale == scale)
     weight = shares[carried] / shares[carried].sum()
@@ -229,85 +191,6 @@ def _strain_fields(places: FloatArray) -> FloatArray:
         fields[:, b, k] += 0.5 * places[:, a]
         fields[:, a, k] += 0.5 * places[:, b]
     return fields.reshape(-1, N_STRAINS)
-
-
-def _loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -> sp.csr_array:
-    """(3 n_scale_vertices, n_loads) unit loads times the roots of their stiffnesses."""
-    mesh = embedding.mesh
-    outline = np.flatnonzero(mesh.edge_scale >= 0)
-    spans = embedding.edge_span[outline]
-    lengths = np.linalg.norm(spans, axis=1)
-    normals = np.stack([-spans[:, 1], spans[:, 0]], axis=1) / lengths[:, None]
-    # An edge's length goes to the bonds of its ends and its middle by Simpson's rule.
-    ends = embedding.vertex_bond[mesh.edges[outline]]
-    middles = embedding.edge_bond[outline]
-    bond = np.concatenate([ends[:, 0], ends[:, 1], middles])
-    length = np.concatenate([lengths, lengths, 4.0 * lengths]) / 6.0
-    normal = np.tile(normals, (3, 1))
-    # Bonds with a position take forces, by their share of the outline; all take couples.
-    share = np.bincount(bond, length, minlength=len(embedding.bonded))
-    valued = np.flatnonzero(nodes.value_of >= 0)
-    share *= lengths.sum() / share[valued].sum()
-    forces = np.sqrt(share[valued])[:, None] * np.sqrt(
-        [support.stretching, support.stretching, support.lifting]
-    )
-    parts = [_columns(nodes.weights[nodes.value_of[valued]], axis * np.eye(3)[k])
-             for k, axis in enumerate(forces.T[:, :, None])]  # fmt: skip
-    bond, normal, length = _merged(bond, normal, length)
-    couples = np.sqrt(support.turning * length)
-    turn = sp.diags_array(couples * normal[:, 0]) @ nodes.weights[nodes.gradient_of[bond, 0]]
-    turn = turn + sp.diags_array(couples * normal[:, 1]) @ nodes.weights[nodes.gradient_of[bond, 1]]
-    parts.append(_columns(turn, np.tile([0.0, 0.0, 1.0], (len(bond), 1))))
-    return sp.csr_array(sp.hstack([*parts, _presses(nodes, support)]))
-
-
-def _presses(nodes: PointNodes, support: SheetSupport) -> sp.csr_array:
-    """Loads of neighbors that touch the walls."""
-    touched, outward, span = _merged(*nodes.wall_normals())
-    presses = np.sqrt(support.touching * span)[:, None] * outward
-    return _columns(nodes.weights[touched], presses)
-
-
-def _base_loads(embedding: CellEmbedding, nodes: PointNodes, support: SheetSupport) -> sp.csr_array:
-    """As `_loads` for a solid sheet, which pulls at the base by its shear, near the outline."""
-    assert isinstance(embedding, SolidCell)
-    mesh, layers = embedding.mesh, embedding.layers
-    triangles = mesh.base_triangles
-    shares = [1.0 / 3.0] * 3 if triangles.shape[1] == 3 else [1.0 / 12.0] * 3 + [0.25] * 3
-    area = np.zeros(mesh.n_scale_vertices)
-    np.add.at(area, triangles, mesh.base_areas()[:, None] * shares)
-    rim = layers.plane[(layers.plane_scale >= 0) & ~layers.plane_inner]
-    depth = cKDTree(rim).query(mesh.scale_positions[:, :2])[0]
-    pulled = np.flatnonzero((area > 0.0) & (depth < _PULLED * -layers.heights[-1]))
-    roots = np.sqrt(area[pulled] * support.bearing)
-    at = sp.csr_array(
-        (np.repeat(roots, 3), (_components(pulled), np.arange(3 * len(pulled)))),
-        shape=(3 * mesh.n_scale_vertices, 3 * len(pulled)),
-    )
-    return sp.csr_array(sp.hstack([at, _presses(nodes, support)]))
-
-
-def _components(vertices: IntArray) -> IntArray:
-    return (3 * vertices[:, None] + np.arange(3)).ravel()
-
-
-def _merged(
-    places: IntArray, normals: FloatArray, lengths: FloatArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """One entry for all with the same place and normal, with the sum of their lengths."""
-    keys = np.concatenate([places[:, None], np.round(normals * 1e6)], axis=1)
-    _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return places[first], normals[first], np.bincount(number.ravel(), lengths).astype(float)
-
-
-def _columns(weights: sp.csr_array, directions: FloatArray) -> sp.csr_array:
-    """(3 n_scale_vertices, n) loads in `directions (n, 3)`, spread by the rows of `weights`."""
-    return sp.csr_array(
-        sum(
-            sp.kron((sp.diags_array(directions[:, c]) @ weights).T, np.eye(3)[:, [c]])
-            for c in range(3)
-        )
-    )
 
 
 def _modes(

@@ -30,8 +30,9 @@ setup: .venv/.kernels
 quickstart: setup
 	@$(BIN)/flexscale run workflows/quickstart.yaml --cores $(CORES)
 
+# Files go to processes in their order, so that those with few long tests do not come last.
 test: setup
-	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile --durations=10
+	@$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile --no-loadscope-reorder --durations=10
 
 test-slow: setup
 	@$(BIN)/python -m pytest -q -m slow

@@ -53,9 +53,12 @@ def test_bare_sheet_has_moment_d_kappa(curvature, degrees):
 
 
 @pytest.mark.parametrize("scales", SCALE_MODELS)
-@pytest.mark.parametrize("make", [square, hexagon])
+@pytest.mark.parametrize("make", [pytest.param(square, marks=pytest.mark.slow), hexagon])
 def test_derivatives_of_the_bent_cell(make, scales):
-    """Gradient, unprojected Hessian, moment and load rate in z at a random deformed state."""
+    """Gradient, unprojected Hessian, moment and load rate in z at a random deformed state.
+
+    Of squares, whose lattice vectors lie along the axes, it is a special case of hexagons.
+    """
     # Contact has tests of its own: a random state would press scales together.
     contact = fs.ContactOptions(enabled=False)
     problem = CellProblem.from_pattern(

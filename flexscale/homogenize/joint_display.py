@@ -16,7 +16,7 @@ from flexscale.patterns.pattern import Pattern
 from flexscale.tilings.lattice import reduction
 
 #: Of a picture: nothing is computed with it.
-MESH = MeshOptions(along=1.0, corner=0.5, scale_size=5.0, scale_layers=1, scale_order=1)
+MESH = MeshOptions(along=1.0, corner=1.0, scale_size=5.0, scale_layers=3, scale_order=1)
 
 
 class JointDisplay:
@@ -81,20 +81,25 @@ class JointDisplay:
         return out
 
     def contact_force(self, z: FloatArray, bend: Bend) -> FloatArray:
-        """(n_points,) length of the force by which other scales press on a scale's corner, N."""
+        """(n_points,) N, lengths of the forces by which other scales press on a scale, each at the
+        scale's point nearest to where the two touch."""
         force = np.zeros(len(self.rest))
         contact, scales = self.contact, self.embedding.scales
         if contact is None:
             return force
-        world, rows = self.embedding.place(z, bend), scales.rows
-        on_rows = np.zeros_like(world.y)
-        contact.add_gradient(world.y, on_rows)
-        lengths = np.linalg.norm(on_rows, axis=1)
-        pressed = np.flatnonzero(lengths > 0.0)
-        scale = scales.pairs[rows.pair[pressed], rows.table.second[pressed].astype(int)]
-        level = 0.5 * self.pattern.substrate_thickness
-        corners = np.pad(scales.anchors[scale], ((0, 0), (0, 1))) + rows.table.rest[pressed]
-        corners[:, 2] -= level
-        nearest = cKDTree(self.mesh.scale_positions).query(corners)[1]
-        np.add.at(force, nearest, lengths[pressed])
+        found, weights, lengths = contact.presses(self.embedding.place(z, bend).y)
+        rows, table = scales.rows, scales.rows.table
+        scale = scales.pairs[rows.pair, table.second.astype(int)]
+        corners = table.rest + np.pad(scales.anchors[scale], ((0, 0), (0, 1)))
+        corners[:, 2] -= 0.5 * self.pattern.substrate_thickness
+        mesh = self.mesh
+        owner = np.empty(mesh.n_scale_vertices, dtype=np.int64)
+        owner[mesh.tets] = mesh.tet_scale[:, None]
+        apart = 10.0 * float(np.ptp(self.rest, axis=0).max())  # of scales, on an axis of its own
+        points = cKDTree(np.column_stack([mesh.scale_positions, apart * owner]))
+        for side in (0, 1):
+            of = scale[found[:, 3 * side]]
+            at = np.einsum("nk,nkc->nc", weights[:, side], corners[found])
+            nearest = points.query(np.column_stack([at, apart * of]))[1]
+            np.add.at(force, nearest, lengths)
         return force

@@ -254,6 +254,20 @@ class PrismContact(Barrier):
         """Number of candidates closer than d_hat."""
         return len(self.closer(y, self.activation_distance)[0])
 
+    def presses(self, y: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Where scales press on one another: rows (n, 4) of candidates closer than d_hat, weights
+        (n, 2, 4) of these in the nearest points of both things, and lengths (n,) of forces, N."""
+        table, d_hat = self.rows.table, self.activation_distance
+        found, shares, _ = self.closer(y, d_hat)
+        own = np.arange(4) < np.where(table.is_wall[found], 1, 2)[:, None]
+        first = np.where(own, shares, 0.0)
+        forces = np.empty(len(found))
+        for k in range(len(found)):
+            on_rows = np.zeros_like(y)
+            _add_gradient(y, table, found[k : k + 1], d_hat, self.stiffness, on_rows)
+            forces[k] = np.linalg.norm(on_rows[table.stencils[found[k], own[k]]].sum(axis=0))
+        return table.stencils[found], np.stack([first, first - shares], axis=1), forces
+
     def force(self, y: FloatArray) -> float:
         """Sum of the contact forces on the first scales' corners, as lengths of vectors, N."""
         forces = np.zeros_like(y)

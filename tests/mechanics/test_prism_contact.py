@@ -167,6 +167,27 @@ def test_gradient_of_all_that_meets() -> None:
     assert relative_error(np.sum(gradient * way), slope) < 1e-7
 
 
+def test_presses_are_forces_at_nearest_points_that_make_the_gradient() -> None:
+    contact, y = build()
+    second = contact.rows.table.second
+    turned = (y[second] - [5.4, 0.0, 0.2]) @ Rotation.from_rotvec([0.05, 0.1, 0.15]).as_matrix().T
+    turned[:, 0] -= turned[:, 0].min() - 5.03
+    turned[:, 2] += 0.2
+    y[second] = turned  # no two edges are parallel, so none are faded out
+    rows, weights, lengths = contact.presses(y)
+    assert len(lengths) == contact.active_pairs(y) > 0
+    assert (lengths > 0.0).all()
+    np.testing.assert_allclose(weights.sum(axis=2), 1.0, atol=1e-12)
+    on_rows = np.zeros_like(y)
+    for stencil, (one, other), length in zip(rows, weights, lengths, strict=True):
+        assert len(set(second[stencil[one != 0.0]])) == len(set(second[stencil[other != 0.0]])) == 1
+        arrow = (one - other) @ y[stencil]
+        on_rows[stencil] -= np.outer(one - other, length * arrow / np.linalg.norm(arrow))
+    gradient = np.zeros_like(y)
+    contact.add_gradient(y, gradient)
+    np.testing.assert_allclose(on_rows, gradient, atol=1e-9 * np.abs(gradient).max())
+
+
 def test_distances_do_not_depend_on_what_was_measured_before() -> None:
     """What is remembered only tells which distances need not be measured."""
     contact, rest = build()

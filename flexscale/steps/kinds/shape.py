@@ -61,7 +61,7 @@ def compute(
 
 SHAPE = Step(
     "shape",
-    3,
+    4,
     ShapeBlock,
     "deformed cells, a list of states",
     compute,

@@ -95,6 +95,7 @@ ALL = (
     Page("joint_laws"),
     Page("joint_cells"),
     Page("joint_sheets"),
+    Page("half_turn"),
     Page("contact_convergence"),
     Page("branches"),
     Page("never_stuck", reads="named_patterns"),

@@ -10,7 +10,8 @@ from numba import njit
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.embedding.middle_pose import N_WORK as N_MIDDLE
 from flexscale.embedding.middle_pose import middle_pose, turn_jets
-from flexscale.mechanics.joint_law import MOST_POWER, LawTable, law_at
+from flexscale.mechanics.joint_law import MOST_POWER, law_at
+from flexscale.mechanics.stacked_laws import LawTables, one_law
 
 # Which of u, w, s and phi each part of the relative pose moves.
 _MOVED = ((0, 2), (0, 2), (1, 3), (1, 3), (1, 3), (0, 2))
@@ -20,7 +21,8 @@ class Stations(NamedTuple):
     """Stations of all joints; those of a pair stand together.
 
     arms : (n_pairs, 2, 3) from both anchors to a point of the pair's joints, mm; starts :
-    (n_pairs + 1,). points : (n, 2) from there, mm; normals : (n, 2); weights : (n,) mm.
+    (n_pairs + 1,). points : (n, 2) from there, mm; normals : (n, 2); weights : (n,) mm; laws : (n,)
+    number of the law.
     """
 
     arms: FloatArray
@@ -28,6 +30,7 @@ class Stations(NamedTuple):
     points: FloatArray
     normals: FloatArray
     weights: FloatArray
+    laws: IntArray
 
 
 @njit(cache=True, error_model="numpy")
@@ -75,7 +78,7 @@ def joint_energy(
     relative: FloatArray,
     stations: Stations,
     k: int,
-    law: LawTable,
+    laws: LawTables,
     order: int,
     gradient: FloatArray,
     hessian: FloatArray,
@@ -90,10 +93,15 @@ def joint_energy(
     energy = 0.0
     q, slope, bend, rows = np.empty(4), np.empty(4), np.empty((4, 4)), np.zeros((4, 6))
     carried, powers = np.empty((4, 6)), np.empty((4, 3, MOST_POWER + 1))
+    number = 0
+    law = one_law(laws, number)
     for s in range(stations.starts[k], stations.starts[k + 1]):
         weight = stations.weights[s]
         half = station_opening(relative, stations.points[s], stations.normals[s], q, rows)
         root = 1.0 / np.sqrt(1.0 - half * half)
+        if stations.laws[s] != number:
+            number = stations.laws[s]
+            law = one_law(laws, number)
         energy += weight * law_at(law, q, powers, slope, bend, order)
         for i in range(6):
             one, two = _MOVED[i]

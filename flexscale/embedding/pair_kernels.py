@@ -18,10 +18,10 @@ from flexscale.embedding.pair_places import Bending, Pairs, new_posing, set_pose
 from flexscale.embedding.relative_pose import add_pose_bends
 from flexscale.embedding.rigid_motion import N_VARIABLES, OF_S
 from flexscale.mechanics.jets import add_hessian, jet_length
-from flexscale.mechanics.joint_law import LawTable
 from flexscale.mechanics.prism_candidates import Candidates, Memory, moved_since
 from flexscale.mechanics.prism_kernels import N_WORK as N_BARRIER
 from flexscale.mechanics.prism_kernels import barrier_jet
+from flexscale.mechanics.stacked_laws import LawTables
 
 _N = N_VARIABLES
 SLOTS = _N * (_N + 1) // 2  # of the upper triangle of a pair's block
@@ -115,7 +115,7 @@ def assemble(
     bending: Bending,
     pairs: Pairs,
     stations: Stations,
-    law: LawTable,
+    laws: LawTables,
     y: FloatArray,
     table: Candidates,
     memory: Memory,
@@ -180,7 +180,7 @@ def assemble(
             middle_pose(
                 pose, turn, stations.arms[k, 0], stations.arms[k, 1], middle, relative, order
             )
-            energy = joint_energy(relative[:, 0].copy(), stations, k, law, order, slope, bend)
+            energy = joint_energy(relative[:, 0].copy(), stations, k, laws, order, slope, bend)
             _add_joint(relative, slope, bend, order, total, hessian)
         joints += energy
         contact += touching

@@ -26,7 +26,7 @@ from flexscale.patterns.pattern import Pattern
 from flexscale.tilings.lattice import reduction
 
 #: In-plane reach of contact beyond a scale's outline, as shares of the root of the largest tile's
-#: area, of the gap, and of the height of scales: the higher they are, the farther tops move.
+#: area, of the widest gap, and of the height of scales: the higher they are, the farther tops move.
 REACH = (0.25, 2.0, 0.6)
 
 
@@ -94,7 +94,7 @@ def find_rigid_scales(pattern: Pattern, joints: Sequence[Joint], touch: bool = T
 def contact_reach(pattern: Pattern) -> float:
     """mm at rest, within which features of two scales can meet."""
     largest = max(polygon_area(tile) for tile in pattern.tiles)
-    sizes = (float(np.sqrt(largest)), pattern.gap, pattern.scale_height)
+    sizes = (float(np.sqrt(largest)), max(pattern.gaps), pattern.scale_height)
     return max(share * size for share, size in zip(REACH, sizes, strict=True))
 
 

@@ -12,9 +12,10 @@ from flexscale.embedding.rigid_cell import RigidCell
 from flexscale.errors import PatternError
 from flexscale.finite.sheet_scales import SheetScales
 from flexscale.homogenize.bent_joints import JointState
-from flexscale.homogenize.joint_cell import law_of
+from flexscale.homogenize.joint_cell import laws_of
 from flexscale.homogenize.joint_problem import JointProblem, place_stations
 from flexscale.homogenize.native_model import NativeModel
+from flexscale.patterns.joint_lines import joint_gaps
 from flexscale.solve.linear import nested_dissection
 
 FLAT = Bend(0.0, 0.0)
@@ -68,10 +69,10 @@ class JointSheet(JointProblem):
         embedding = RigidCell(sheet.scales, np.flatnonzero(free), still)
         super().__init__(
             embedding,
-            place_stations(sheet.joints, sheet.scales),
-            law_of(pattern, native),
+            place_stations(sheet.joints, sheet.scales, joint_gaps(pattern)),
+            laws_of(pattern, native),
             native,
-            pattern.gap,
+            (pattern.gap, max(pattern.gaps)),
             sheet.laid.area,
         )
 

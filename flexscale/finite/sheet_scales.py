@@ -97,7 +97,7 @@ def find_sheet_scales(
     spread = np.array([*(np.zeros((2, 2)) for _ in groups), *(moment for _, _, moment in facts)])
     areas = np.zeros(len(anchors))
     np.add.at(areas, bodies, [moments(outline)[0] for outline in laid.outlines])
-    joints = joints_between(laid.tiles, laid.pattern.gap, bodies)
+    joints = joints_between(laid.tiles, laid.gaps.tolist(), bodies)
     if not joints:
         raise PatternError("A sheet of a single scale has no joint that bends: make it larger.")
     reach = contact_reach(laid.pattern)

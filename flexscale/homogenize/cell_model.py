@@ -30,13 +30,14 @@ class CellModel:
     ----------
     substrate_material, scale_material : Neo-Hookean solids.
     substrate_thickness : mm.
-    gap : mm, between scales at rest; sets the length scale of contact.
+    gap : mm, the narrowest between scales at rest; sets the length scale of contact.
     bond_radius : mm, around a point of a scale's outline, over which the sheet follows the base.
     contact : how scales touch.
     linear_solver : "auto", "pardiso" or "superlu".
     substrate : the elements of the sheet.
     scales : how scales are modeled.
     solid : how the substrate is graded if it is a solid; None if it is a shell.
+    widest_gap : mm, between scales at rest, where it is wider than `gap`.
     """
 
     substrate_material: NeoHookean
@@ -49,6 +50,7 @@ class CellModel:
     substrate: SubstrateOptions = field(default_factory=SubstrateOptions)
     scales: ScaleOptions = field(default_factory=ScaleOptions)
     solid: SolidOptions | None = None
+    widest_gap: float = 0.0
 
     @property
     def plate_stiffness(self) -> float:
@@ -86,4 +88,5 @@ class CellModel:
             native.substrate,
             native.scales,
             native.solid_options,
+            max(pattern.gaps),
         )

@@ -168,8 +168,13 @@ class CellProblem:
 
     @property
     def gap(self) -> float:
-        """mm, between scales at rest."""
+        """mm, the narrowest between scales at rest."""
         return self.model.gap
+
+    @property
+    def widest_gap(self) -> float:
+        """mm, the widest between scales at rest."""
+        return max(self.model.gap, self.model.widest_gap)
 
     def _build_pull_back(self, inner: CellEmbedding) -> PullBack | BodyPullBack:
         """What takes Hessians by world vectors to those by the active unknowns."""

@@ -108,7 +108,7 @@ class _Search:
     def __init__(self, problem: Problem, contact: Contact, overlap: float) -> None:
         self.problem, self.contact, self.overlap = problem, contact, overlap
         self.bends: FlatBends = problem.flat_bends()
-        self.gaps: LinearGaps = contact.gaps(self.bends.state.world.y, REACH * problem.gap)
+        self.gaps: LinearGaps = contact.gaps(self.bends.state.world.y, REACH * problem.widest_gap)
         slopes = [
             self._changes(rate) + self._changes(self._push(relaxed))
             for rate, relaxed in zip(self.bends.rates, self.bends.relaxed, strict=True)

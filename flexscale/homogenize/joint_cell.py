@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,48 +18,59 @@ from flexscale.homogenize.joint_problem import JointProblem, place_stations
 from flexscale.homogenize.joint_validity import doubts
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.problem import FlatBends
-from flexscale.joints.library import joint_law
+from flexscale.joints.library import joint_laws
 from flexscale.mechanics.joint_law import JointLaw
-from flexscale.patterns.joint_lines import find_joints
+from flexscale.patterns.joint_lines import find_joints, joint_gaps
 from flexscale.patterns.pattern import Pattern
 
 log = logging.getLogger(__name__)
 
 
-def law_of(pattern: Pattern, native: NativeModel) -> JointLaw:
-    """The law that a model names, or that of the pattern's gap, sheet and materials.
+def laws_of(pattern: Pattern, native: NativeModel) -> tuple[JointLaw, ...]:
+    """The laws that a model names, or those of the pattern's gaps, sheet and materials.
 
     Raises
     ------
-    PatternError : joints cannot be computed, or the law named is of another sheet.
+    PatternError : joints cannot be computed, or the laws named are of another sheet, or too few.
     """
-    law, sheet = native.law or joint_law(pattern), pattern.substrate_material
+    laws, sheet = native.laws or joint_laws(pattern), pattern.substrate_material
     known = (pattern.substrate_thickness, sheet.young_modulus)
-    if not np.allclose((law.thickness, law.modulus), known, rtol=1e-9):
+    for law in laws:
+        if not np.allclose((law.thickness, law.modulus), known, rtol=1e-9):
+            raise PatternError(
+                f"The law given is of a sheet of {law.thickness:g} mm and {law.modulus:g} MPa, the "
+                f"pattern's of {pattern.substrate_thickness:g} mm, {sheet.young_modulus:g} MPa: "
+                "take the law of this pattern."
+            )
+    gaps = joint_gaps(pattern)
+    if len(laws) != len(gaps):
         raise PatternError(
-            f"The law given is of a sheet of {law.thickness:g} mm and {law.modulus:g} MPa, the "
-            f"pattern's of {pattern.substrate_thickness:g} mm, {sheet.young_modulus:g} MPa: "
-            "take the law of this pattern."
+            f"The laws given are {len(laws)}, but the pattern's joints have gaps of "
+            f"{', '.join(f'{gap:g}' for gap in gaps)} mm: give the law of each, the narrowest "
+            "first, or leave law out."
         )
-    return law
+    return laws
 
 
 class JointCell(JointProblem):
-    """Rigid scales of one lattice cell on joints of one law, to be bent: a `Problem`.
+    """Rigid scales of one lattice cell on joints, to be bent: a `Problem`.
 
     Parameters
     ----------
     pattern : the scale pattern.
-    law : of its joints.
+    laws : of its joints, of the narrowest gap first; one if there is one gap.
     native : contact and linear solver.
     """
 
-    def __init__(self, pattern: Pattern, law: JointLaw, native: NativeModel) -> None:
+    def __init__(
+        self, pattern: Pattern, laws: JointLaw | Sequence[JointLaw], native: NativeModel
+    ) -> None:
         self.pattern = pattern
         joints = find_joints(pattern)
         scales = find_rigid_scales(pattern, joints, native.contact.enabled)
-        stations = place_stations(joints, scales)
-        super().__init__(RigidCell(scales), stations, law, native, pattern.gap, pattern.cell_area)
+        stations = place_stations(joints, scales, joint_gaps(pattern))
+        gaps = (pattern.gap, max(pattern.gaps))
+        super().__init__(RigidCell(scales), stations, laws, native, gaps, pattern.cell_area)
 
     @classmethod
     def from_pattern(cls, pattern: Pattern, native: NativeModel) -> JointCell:
@@ -69,12 +81,12 @@ class JointCell(JointProblem):
         PatternError : joints cannot be computed, do not hold the scales together, or are those of
             another sheet.
         """
-        cell = cls(pattern, law_of(pattern, native), native)
+        cell = cls(pattern, laws_of(pattern, native), native)
         rest = cell.bent(Bend(0.0, 0.0))
         if cell.system.factorize(rest.hessian_values(rest.evaluate(cell.embedding.rest))) > 0:
             raise PatternError(
                 f"Joints do not hold the scales of this pattern together: at a gap of "
-                f"{pattern.gap:g} mm too few of their walls face one another. Narrow the gap."
+                f"{max(pattern.gaps):g} mm too few of their walls face one another. Narrow the gap."
             )
         for doubt in cell.doubts:
             log.warning("%s: %s.", pattern.name, doubt)
@@ -88,7 +100,7 @@ class JointCell(JointProblem):
     @property
     def parts(self) -> tuple[type[JointCell], tuple[Any, ...]]:
         """What makes it again in another process."""
-        return JointCell, (self.pattern, self.law, self.native)
+        return JointCell, (self.pattern, self.laws, self.native)
 
     def flat_bends(self) -> FlatBends:
         """Answers of the flat cell to small bends; its system is left factorized at rest."""

@@ -51,7 +51,7 @@ class JointDisplay:
         outlines = [shapely.Polygon(outline) for outline in pattern.outlines()]
         points = shapely.points(self.rest[:, :2])
         images, weights = [], []
-        reach = 4.0 * pattern.gap
+        reach = 4.0 * max(pattern.gaps)
         for m in range(-2, 3):
             for n in range(-2, 3):
                 shift = np.array([m, n]) @ short

@@ -19,14 +19,20 @@ from flexscale.mechanics.barrier import barrier_stiffness
 from flexscale.mechanics.joint_law import JointLaw
 from flexscale.mechanics.prism_candidates import Memory
 from flexscale.mechanics.prism_contact import PrismContact
+from flexscale.mechanics.stacked_laws import as_laws, digest_of, stack_laws
 from flexscale.patterns.joint_lines import Joint
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.linear import DenseFactorization, Factorization, build_factorization
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
 
-def place_stations(joints: Sequence[Joint], scales: RigidScales) -> Stations:
-    """Stations of joints; those of joint k belong to the scales' pair k, others have none."""
+def place_stations(joints: Sequence[Joint], scales: RigidScales, gaps: Sequence[float]) -> Stations:
+    """Stations of joints; those of joint k belong to the scales' pair k, others have none.
+
+    Parameters
+    ----------
+    gaps : mm, that joints have, each once, the narrowest first, as their laws are in order.
+    """
     n = len(scales.pairs)
     arms, counts = np.zeros((n, 2, 3)), np.zeros(n, dtype=np.int64)
     for k, joint in enumerate(joints):
@@ -42,19 +48,20 @@ def place_stations(joints: Sequence[Joint], scales: RigidScales) -> Stations:
         - np.repeat(middles, counts[: len(joints)], axis=0),
         np.concatenate([joint.normals for joint in joints]),
         np.concatenate([joint.weights for joint in joints]),
+        np.searchsorted(gaps, np.concatenate([joint.gaps for joint in joints])),
     )
 
 
 class JointProblem:
-    """Rigid scales on joints of one law.
+    """Rigid scales on joints, those of equal gaps of one law.
 
     Parameters
     ----------
     embedding : unknowns, and where they place scales.
     stations : of the joints of its pairs.
-    law : of the joints.
+    laws : of the joints, or one of all, by the numbers of the stations.
     native : contact and linear solver.
-    gap : mm, between scales at rest.
+    gaps : mm, the narrowest and the widest between scales at rest.
     area : mm2, to which energy densities and moments refer.
 
     Attributes
@@ -74,19 +81,20 @@ class JointProblem:
         self,
         embedding: RigidCell,
         stations: Stations,
-        law: JointLaw,
+        laws: JointLaw | Sequence[JointLaw],
         native: NativeModel,
-        gap: float,
+        gaps: tuple[float, float],
         area: float,
     ) -> None:
-        self.embedding, self.stations, self.law, self.native = embedding, stations, law, native
-        self._gap, self.area, self.active = gap, area, embedding.active
-        self._law = law.table
+        self.embedding, self.stations, self.native = embedding, stations, native
+        self.laws = as_laws(laws)
+        self._gaps, self.area, self.active = gaps, area, embedding.active
+        self._tables = stack_laws(self.laws)
         self.contact = self._build_contact()
         self.barrier_stiffness = 0.0 if self.contact is None else self.contact.stiffness
         self.part_names = ("joints", *([] if self.contact is None else ["contact"]))
         self.shift_mode = embedding.shift_mode[self.active]
-        self.energy_floor = area * 1e-24 * law.modulus * law.thickness
+        self.energy_floor = area * 1e-24 * self.laws[0].modulus * self.laws[0].thickness
         self._build_system()
 
     def _build_contact(self) -> PrismContact | None:
@@ -94,8 +102,8 @@ class JointProblem:
         if not options.enabled:
             return None
         # The force that stretches a strip of sheet as wide as the gap to twice its length.
-        force = self.law.modulus * self.law.thickness * self._gap
-        distance = options.activation * self._gap
+        force = self.laws[0].modulus * self.laws[0].thickness * self.gap
+        distance = options.activation * self.gap
         stiffness = options.stiffness * barrier_stiffness(force, distance)
         return PrismContact(self.embedding.scales.rows, distance, stiffness)
 
@@ -137,8 +145,13 @@ class JointProblem:
 
     @property
     def gap(self) -> float:
-        """mm, between scales at rest."""
-        return self._gap
+        """mm, the narrowest between scales at rest."""
+        return self._gaps[0]
+
+    @property
+    def widest_gap(self) -> float:
+        """mm, the widest between scales at rest."""
+        return self._gaps[1]
 
     @property
     def n_scales(self) -> int:
@@ -147,8 +160,8 @@ class JointProblem:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Which law the joints have."""
-        return {"joint_law": self.law.digest}
+        """Which laws the joints have."""
+        return {"joint_law": digest_of(self.laws)}
 
     def fit_room(self, z: FloatArray, bend: Bend) -> None:
         """Nothing: neighbors have room in the Hessian whether they touch or not."""
@@ -158,9 +171,13 @@ class JointProblem:
         return BentJoints(self, bend)
 
     def facts_of(self, state: JointState) -> dict[str, Any]:
-        """How many stations lie beyond the range in which the law was sampled."""
+        """How many stations lie beyond the range in which their law was sampled."""
         openings = all_openings(state.world.poses, self.stations)
-        return {"outside_range": int(np.count_nonzero(~self.law.inside(openings)))}
+        outside = 0
+        for number, law in enumerate(self.laws):
+            inside = law.inside(openings[self.stations.laws == number])
+            outside += int(np.count_nonzero(~inside))
+        return {"outside_range": outside}
 
     def assemble(
         self,
@@ -187,7 +204,7 @@ class JointProblem:
             else (contact.memory, contact.activation_distance, contact.most, contact.stiffness)
         )
         parts = assemble(
-            world.bending, cell.pairs(bend), self.stations, self._law, world.y, table, *barrier,
+            world.bending, cell.pairs(bend), self.stations, self._tables, world.y, table, *barrier,
             lift, gradient, self.slots if needed else self.slots[:0],
             np.zeros(len(self.rows)) if values is None else values,
             np.zeros_like(gradient) if direction is None else direction, rate,
@@ -207,7 +224,7 @@ class JointProblem:
         unused = np.zeros_like(gradient)
         return float(
             assemble(
-                world.bending, self.embedding.pairs(bend), self.stations, self._law, world.y,
+                world.bending, self.embedding.pairs(bend), self.stations, self._tables, world.y,
                 self.embedding.scales.rows.table, _NO_MEMORY, 1.0, 1.0, 0.0, lift, gradient,
                 self.slots[:0] if values is None else self.slots,
                 np.zeros(0) if values is None else values, unused, unused, np.zeros((0, 2)),

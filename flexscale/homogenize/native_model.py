@@ -29,6 +29,16 @@ _WITHOUT = {
 NAME = "native"  # what a configuration and an experiment file call a model's name
 
 
+_LAW = instance("flexscale.mechanics.joint_law:JointLaw", "take fs.joint_law(pattern)")
+
+
+def _laws(value: Any, label: str) -> Any:
+    """Check of the law of joints, or of those of several gaps."""
+    if isinstance(value, list | tuple) and value:
+        return tuple(_LAW(item, label) for item in value)
+    return _LAW(value, label)
+
+
 @checked(
     name=choice("native model", NATIVE_MODELS),
     mesh=checks.MESH,
@@ -36,7 +46,7 @@ NAME = "native"  # what a configuration and an experiment file call a model's na
     scales=checks.SCALES,
     contact=checks.CONTACT,
     solver=checks.SOLVER,
-    law=optional(instance("flexscale.mechanics.joint_law:JointLaw", "take fs.joint_law(pattern)")),
+    law=optional(_laws),
     solid=checks.SOLID,
 )
 @dataclass(frozen=True)
@@ -56,7 +66,8 @@ class NativeModel:
     contact : how scales touch.
     solver : how equilibria are sought.
     solid : how the substrate is graded, if it is a solid.
-    law : of joints, in place of that which gap, sheet and materials of the pattern make.
+    law : of joints, in place of that which gap, sheet and materials of the pattern make; of a
+        pattern of several gaps a tuple, of the narrowest gap first.
     """
 
     name: str = "joints"
@@ -66,7 +77,7 @@ class NativeModel:
     contact: ContactOptions = field(default_factory=ContactOptions)
     solver: SolverOptions = field(default_factory=SolverOptions)
     solid: SolidOptions = field(default_factory=SolidOptions)
-    law: JointLaw | None = field(default=None, compare=False)
+    law: JointLaw | tuple[JointLaw, ...] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         if self.law is not None and self.name != "joints":
@@ -78,6 +89,11 @@ class NativeModel:
                     f"The native model {self.name!r} has no {part}: leave {part} out, or say "
                     f'native "{others[0]}" (NativeModel("{others[0]}", {part}=…) in Python).'
                 )
+
+    @property
+    def laws(self) -> tuple[JointLaw, ...]:
+        """Of joints; none if those of the pattern are to be taken."""
+        return self.law if isinstance(self.law, tuple) else (self.law,) if self.law else ()
 
     @property
     def input(self) -> str:

@@ -110,7 +110,11 @@ class Bendable(Protocol):
 
     @property
     def gap(self) -> float:
-        """mm."""
+        """mm, the narrowest between scales at rest."""
+
+    @property
+    def widest_gap(self) -> float:
+        """mm, the widest between scales at rest."""
 
     @property
     def system(self) -> System:

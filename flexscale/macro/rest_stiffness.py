@@ -71,9 +71,10 @@ def tangent_of_sweep(sweep: xr.Dataset) -> TangentStiffness | None:
     pattern = Pattern.from_config(config["pattern"])
     native = NativeModel.from_config(config)
     if native.name == "joints" and "joint_law" in config:
-        from flexscale.joints.library import joint_law
+        from flexscale.joints.library import joint_laws
+        from flexscale.mechanics.stacked_laws import digest_of
 
-        if joint_law(pattern).digest != config["joint_law"]:
+        if digest_of(joint_laws(pattern)) != config["joint_law"]:
             return None  # of a groove, or of the user's own law
     return tangent_stiffness(pattern, model=native)
 

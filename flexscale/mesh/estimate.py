@@ -32,7 +32,7 @@ class ElementCount(NamedTuple):
 
 def estimate_elements(pattern: Pattern, options: MeshOptions) -> ElementCount:
     """Number of elements of one lattice cell, roughly."""
-    counts = [_count(prototile, pattern.gap, options) for prototile in pattern.prototiles]
+    counts = [_count(prototile, options) for prototile in pattern.prototiles]
     chosen = [counts[copy.prototile] for copy in pattern.copies]
     return ElementCount(sum(c.triangles for c in chosen), sum(c.tets for c in chosen))
 
@@ -59,8 +59,8 @@ def require_moderate_mesh(pattern: Pattern, options: MeshOptions) -> None:
         )
 
 
-def _count(prototile: Prototile, gap: float, options: MeshOptions) -> ElementCount:
-    polygon = prototile.polygon
+def _count(prototile: Prototile, options: MeshOptions) -> ElementCount:
+    polygon, gap = prototile.polygon, prototile.gap
     around = float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
     n_sharp = max(1, int(prototile.sharp.sum()))
     # Without strips the ring along the gap is filled with triangles of the size along it.

@@ -64,23 +64,26 @@ class TileMesh:
 
 
 def find_tip_sizes(
-    prototiles: Sequence[Prototile], gap: float, options: MeshOptions, sheared: bool = False
+    prototiles: Sequence[Prototile], options: Sequence[MeshOptions], sheared: bool = False
 ) -> TipSizes:
-    """Sizes along all chains of a pattern: tiles that share one must agree.
+    """Sizes along all chains of a pattern: tiles that share one must agree; options of each.
 
     Where strips would shear, elements grow no larger than those that `across` asks for until one
     gap past the sharpest tip of a scale. Nodes of strips face each other anyway.
     """
-    free = [tile for tile in prototiles if _inset_for_strips(tile, gap, options, sheared) is None]
-    mitres = [0.5 * gap * _mitre(tile) for tile in free]
-    if not mitres:
+    free = [
+        (tile, own)
+        for tile, own in zip(prototiles, options, strict=True)
+        if _inset_for_strips(tile, own, sheared) is None
+    ]
+    if not free:
         return NO_TIPS
-    return TipSizes(max(mitres) + gap, 2.0 * gap / options.across)
+    reach = max(0.5 * tile.gap * _mitre(tile) + tile.gap for tile, _ in free)
+    return TipSizes(reach, min(2.0 * tile.gap / own.across for tile, own in free))
 
 
 def build_tile_mesh(
     prototile: Prototile,
-    gap: float,
     scale_height: float,
     options: MeshOptions,
     tips: TipSizes = NO_TIPS,
@@ -90,13 +93,13 @@ def build_tile_mesh(
 
     Parameters
     ----------
-    gap, scale_height : mm.
+    scale_height : mm.
     tips : of the whole pattern, from `find_tip_sizes`.
     under_scale : sizes of the sheet under the scale, as of a scale's base, where the sheet deforms
         there, and needs strips even where they shear; if not given, it is filled from the outline
         inward.
     """
-    ring = _build_ring(prototile, gap, options, tips, under_scale is not None)
+    ring = _build_ring(prototile, options, tips, under_scale is not None)
     outline = ring.points[ring.outline_nodes]
     center = prototile.polygon.mean(axis=0)
     region = make_region([outline], prototile.stabiliser, center, True)
@@ -130,30 +133,28 @@ def _mitre(prototile: Prototile) -> float:
     return float(min(np.tan(0.5 * sharpest), MITRE_LIMIT))
 
 
-def _build_ring(
-    prototile: Prototile, gap: float, options: MeshOptions, tips: TipSizes, sheared: bool
-) -> Ring:
+def _build_ring(prototile: Prototile, options: MeshOptions, tips: TipSizes, sheared: bool) -> Ring:
     nodes = subdivide_loop(prototile.polygon, prototile.sharp, options, tips)
-    inset = _inset_for_strips(prototile, gap, options, sheared)
+    inset = _inset_for_strips(prototile, options, sheared)
     if inset is None:
-        return _free_ring(prototile, nodes.points(prototile.polygon), gap, options, tips)
+        return _free_ring(prototile, nodes.points(prototile.polygon), options, tips)
     return build_strips(prototile.polygon, inset, nodes, options)
 
 
 def _inset_for_strips(
-    prototile: Prototile, gap: float, options: MeshOptions, sheared: bool
+    prototile: Prototile, options: MeshOptions, sheared: bool
 ) -> FloatArray | None:
     """Corners of the outline, one for one with the tile's; None if strips lose edges, or shear
     where they must not."""
-    inset = mitre_points(prototile.polygon, 0.5 * gap)
+    inset = mitre_points(prototile.polygon, 0.5 * prototile.gap)
     if inset is None or sheared:
         return inset
     nodes = subdivide_loop(prototile.polygon, prototile.sharp, options)
-    return None if _strips_shear(prototile, nodes, inset, gap, options) else inset
+    return None if _strips_shear(prototile, nodes, inset, options) else inset
 
 
 def _strips_shear(
-    prototile: Prototile, nodes: LoopNodes, inset: FloatArray, gap: float, options: MeshOptions
+    prototile: Prototile, nodes: LoopNodes, inset: FloatArray, options: MeshOptions
 ) -> bool:
     """Whether triangles without structure are clearly better than strips, as at sharp corners.
 
@@ -164,13 +165,13 @@ def _strips_shear(
     worst = triangle_qualities(strips.points, strips.triangles).min()
     if worst > GOOD:
         return False
-    free = _free_ring(prototile, nodes.points(prototile.polygon), gap, single, NO_TIPS)
+    free = _free_ring(prototile, nodes.points(prototile.polygon), single, NO_TIPS)
     best = triangle_qualities(free.points, free.triangles).min()
     return bool(best > CLEARLY_BETTER * worst)
 
 
 def _free_ring(
-    prototile: Prototile, outer: FloatArray, gap: float, options: MeshOptions, tips: TipSizes
+    prototile: Prototile, outer: FloatArray, options: MeshOptions, tips: TipSizes
 ) -> Ring:
     """Ring triangulated by gmsh, with nodes of its own along the scale's outline.
 
@@ -188,7 +189,7 @@ def _free_ring(
     region = make_region(
         [outer, inner[::-1]], prototile.stabiliser, prototile.polygon.mean(axis=0), False
     )
-    largest = options.along if options.across == 2 else 2.0 * gap / options.across
+    largest = options.along if options.across == 2 else 2.0 * prototile.gap / options.across
     filling = fill_region(region, largest, options.growth)
     n_outer, n_inner = len(outer), len(inner)
     return Ring(

@@ -54,14 +54,15 @@ def build_mesh(
     MeshError : the sizes asked for do not give a valid mesh.
     """
     options, under_scales = options or MeshOptions(), None
+    of_tiles = [options] * len(pattern.prototiles)
     if solid is not None:
-        options = solid.in_plane(options, pattern.gap)
+        of_tiles = [solid.in_plane(options, prototile.gap) for prototile in pattern.prototiles]
         under_scales = solid.under_scales(options, pattern.substrate_thickness)
-    require_moderate_mesh(pattern, options)
-    tips = find_tip_sizes(pattern.prototiles, pattern.gap, options, solid is not None)
+    require_moderate_mesh(pattern, max(of_tiles, key=lambda own: own.across))
+    tips = find_tip_sizes(pattern.prototiles, of_tiles, solid is not None)
     meshes = [
-        build_tile_mesh(prototile, pattern.gap, pattern.scale_height, options, tips, under_scales)
-        for prototile in pattern.prototiles
+        build_tile_mesh(prototile, pattern.scale_height, own, tips, under_scales)
+        for prototile, own in zip(pattern.prototiles, of_tiles, strict=True)
     ]
     placed = [(meshes[copy.prototile], copy.placement) for copy in pattern.copies]
     mesh = join_tiles(placed, pattern.lattice, pattern.scale_height)

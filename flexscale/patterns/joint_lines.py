@@ -5,6 +5,9 @@ the tiling's vertex, by half the gap over the tangent of half its angle there: a
 walls end far from the vertex, and what of the sheet lies beyond is strained little. A joint
 therefore runs where both walls face one another, and beyond towards a vertex at a distance d by
 d / (1 + d / l), where l is `END_LENGTH` of the gap: by almost all of a short way, and by l at most.
+
+A joint lies in the middle of its gap: on the tiling's edge, unless the two scales have gaps of
+their own that differ, g and h: then (h - g) / 4 beyond it, seen from the scale of g.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from scipy.spatial import cKDTree
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import PatternError
+from flexscale.patterns.gaps import gap_between
 from flexscale.patterns.outlines import inset_edges
 from flexscale.patterns.pattern import Pattern
 
@@ -27,6 +31,7 @@ END_LENGTH = 1.4
 # line is one of many short pieces, which have one or two each.
 _MOST = 5
 _IN_ALL = 24  # on a line, or more; a fraction of one is one
+_STEEPEST = 0.1  # of 1 + cosine of a turn between edges, for the mitre of a line beside them
 _SAME = 1e-6  # of the cell, between midpoints of one edge as an edge of two tiles
 
 
@@ -41,6 +46,7 @@ class Joint:
     points : (n, 2) stations, mm, where the first scale is at home.
     normals : (n, 2) across the joint, from the first to the second.
     weights : (n,) length of joint that a station stands for, mm.
+    gaps : (n,) mm, between the walls there; one, unless a scale is a body of several.
     """
 
     first: int
@@ -49,6 +55,7 @@ class Joint:
     points: FloatArray
     normals: FloatArray
     weights: FloatArray
+    gaps: FloatArray
 
 
 def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]:
@@ -69,11 +76,27 @@ def find_joints(pattern: Pattern, end_length: float = END_LENGTH) -> list[Joint]
             "Two tiles do not have an edge between them in common to 1e-6 of the cell: give "
             "corners to more digits."
         )
-    return _join(tiles, partner, offset, np.arange(len(tiles)), pattern.gap, end_length)
+    return _join(tiles, partner, offset, np.arange(len(tiles)), pattern.gaps, end_length)
+
+
+def joint_gaps(pattern: Pattern) -> tuple[float, ...]:
+    """Gaps of a pattern's joints, mm, each once, the narrowest first.
+
+    Raises
+    ------
+    PatternError : see `find_joints`.
+    """
+    if len(set(pattern.gaps)) == 1:
+        return pattern.gaps[:1]
+    found: list[float] = np.unique([joint.gaps[0] for joint in find_joints(pattern)]).tolist()
+    return tuple(found)
 
 
 def joints_between(
-    tiles: Sequence[FloatArray], gap: float, bodies: IntArray, end_length: float = END_LENGTH
+    tiles: Sequence[FloatArray],
+    gaps: Sequence[float],
+    bodies: IntArray,
+    end_length: float = END_LENGTH,
 ) -> list[Joint]:
     """All joints of a sheet; `first` and `second` of a joint are bodies.
 
@@ -82,10 +105,10 @@ def joints_between(
     Parameters
     ----------
     tiles : polygons (n_i, 2) with scales, mm.
-    gap : mm.
+    gaps : mm, of their scales.
     bodies : (n_tiles,) number of the rigid body that each tile's scale is part of.
     """
-    return _join(tiles, *_partners(tiles, None), bodies, gap, end_length)
+    return _join(tiles, *_partners(tiles, None), bodies, gaps, end_length)
 
 
 def _join(
@@ -93,10 +116,10 @@ def _join(
     partner: IntArray,
     offset: IntArray,
     bodies: IntArray,
-    gap: float,
+    gaps: Sequence[float],
     end_length: float,
 ) -> list[Joint]:
-    facing = _All(gap)
+    facing = _All()
     start = np.concatenate([[0], np.cumsum([len(tile) for tile in tiles])])
     owner = np.repeat(np.arange(len(tiles)), np.diff(start))
     others = np.where(partner < 0, -1, owner[partner])
@@ -114,21 +137,23 @@ def _join(
             b = int(bodies[tile_b])
             if (b, m, n) < (a, 0, 0) or (b == a and (m, n) <= (0, 0)):
                 continue  # met from the other side, or within one body
-            mine = facing.of(tile)
-            its = facing.of(tiles[tile_b])
+            mine = facing.of(tile, gaps[tile_a])
+            its = facing.of(tiles[tile_b], gaps[tile_b])
             here = [mine[k] for k in run]
             there = [its[partner[start[tile_a] + k] - start[tile_b]] for k in run]
             corners = np.array([[tile[k], tile[(k + 1) % len(tile)]] for k in run])
-            part = _stations(corners, here, there, gap, end_length)
+            gap, aside = gap_between(gaps[tile_a], gaps[tile_b]), gaps[tile_b] - gaps[tile_a]
+            part = _stations(corners, (here, there), 0.25 * aside, end_length * gap)
             if part is not None:
-                found.setdefault((a, b, m, n), []).append(part)
+                whole = (*part, np.full(len(part[0]), gap))
+                found.setdefault((a, b, m, n), []).append(whole)
     joints = []
     for (a, b, m, n), parts in found.items():
-        points, normals, weights = (np.concatenate(items) for items in zip(*parts, strict=True))
-        joints.append(Joint(a, b, (m, n), points, normals, weights))
+        arrays = (np.concatenate(items) for items in zip(*parts, strict=True))
+        joints.append(Joint(a, b, (m, n), *arrays))
     if not joints and len(tiles) > 1:
         raise PatternError(
-            f"No two scales face one another across the gap of {gap:g} mm: narrow it."
+            f"No two scales face one another across the gap of {min(gaps):g} mm: narrow it."
         )
     return joints
 
@@ -157,15 +182,14 @@ def _partners(tiles: Sequence[FloatArray], lattice: FloatArray | None) -> tuple[
 class _All:
     """Parts of edges along which scales have walls; most tiles of a sheet are moved copies."""
 
-    def __init__(self, gap: float) -> None:
-        self.gap = gap
-        self._known: dict[bytes, FloatArray] = {}
+    def __init__(self) -> None:
+        self._known: dict[tuple[bytes, float], FloatArray] = {}
 
-    def of(self, tile: FloatArray) -> FloatArray:
+    def of(self, tile: FloatArray, gap: float) -> FloatArray:
         """See `_facing`."""
-        key = np.round(tile - tile[0], 9).tobytes()
+        key = (np.round(tile - tile[0], 9).tobytes(), gap)
         if key not in self._known:
-            self._known[key] = _facing(tile, self.gap)
+            self._known[key] = _facing(tile, gap)
         return self._known[key]
 
 
@@ -196,28 +220,36 @@ def _extension(distance: float, length: float) -> float:
 
 def _stations(
     corners: FloatArray,
-    here: list[FloatArray],
-    there: list[FloatArray],
-    gap: float,
-    end_length: float,
+    walls: tuple[list[FloatArray], list[FloatArray]],
+    aside: float,
+    beyond: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Points, normals and weights on a run of edges (n, 2, 2); None where no walls face."""
+    """Points, normals and weights beside a run of edges; None where no walls face.
+
+    Parameters
+    ----------
+    corners : (n, 2, 2) mm, ends of the edges.
+    walls : of both scales, along each edge; see `_facing`.
+    aside : mm, how far the joint lies from the edges, away from the first scale.
+    beyond : mm, by which a joint goes on at most beyond where walls face one another.
+    """
     along = corners[:, 1] - corners[:, 0]
     lengths = np.linalg.norm(along, axis=1)
     along /= lengths[:, None]
-    starts = np.concatenate([[0.0], np.cumsum(lengths)])
-    low = np.array(
-        [max(a[0], length - b[1]) for a, b, length in zip(here, there, lengths, strict=True)]
-    )
+    low = np.array([max(a[0], length - b[1]) for a, b, length in zip(*walls, lengths, strict=True)])
     high = np.array(
-        [min(a[1], length - b[0]) for a, b, length in zip(here, there, lengths, strict=True)]
+        [min(a[1], length - b[0]) for a, b, length in zip(*walls, lengths, strict=True)]
     )
     both = high > low
     if not both.any():
         return None
+    if aside:
+        corners, begun, lengths = _moved_aside(corners, along, aside)
+        low, high = low - begun, high - begun
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
     first, last = (starts[:-1] + low)[both].min(), (starts[:-1] + high)[both].max()
-    first -= _extension(first, end_length * gap)
-    last += _extension(starts[-1] - last, end_length * gap)
+    first -= _extension(first, beyond)
+    last += _extension(starts[-1] - last, beyond)
     points, normals, weights = [], [], []
     for k, length in enumerate(lengths):
         begin, end = max(first - starts[k], 0.0), min(last - starts[k], length)
@@ -230,3 +262,24 @@ def _stations(
         normals.append(np.repeat([[along[k, 1], -along[k, 0]]], n, axis=0))
         weights.append(0.5 * (end - begin) * shares)
     return np.concatenate(points), np.concatenate(normals), np.concatenate(weights)
+
+
+def _moved_aside(
+    corners: FloatArray, along: FloatArray, aside: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """A run of edges (n, 2, 2) moved along its normals, with mitres between edges, mm.
+
+    Returns
+    -------
+    Ends of the edges (n, 2, 2); how far each one's start has moved along it (n,); lengths (n,), 0
+    of those that are lost.
+    """
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    ways = normals.copy()  # of each edge's start
+    ways[1:] += normals[:-1]
+    cosines = np.sum(normals[1:] * normals[:-1], axis=1)
+    ways[1:] /= np.maximum(1.0 + cosines, _STEEPEST)[:, None]
+    ends = np.concatenate([ways[1:], normals[-1:]])
+    moved = corners + aside * np.stack([ways, ends], axis=1)
+    lengths = np.sum((moved[:, 1] - moved[:, 0]) * along, axis=1)
+    return moved, aside * np.sum(ways * along, axis=1), np.maximum(lengths, 0.0)

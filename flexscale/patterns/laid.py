@@ -39,6 +39,7 @@ class LaidPattern(ShortRepr):
     tiles : polygons (n_i, 2) with scales, counterclockwise, mm, in the sheet's coordinates.
     outlines : (m_i, 2) of their scales, mm.
     whole : (n_tiles,) whether the border does not cut them.
+    gaps : (n_tiles,) mm, of their scales.
     bare : polygons (n_i, 2) of pieces without a scale.
     """
 
@@ -48,6 +49,7 @@ class LaidPattern(ShortRepr):
     tiles: tuple[FloatArray, ...]
     outlines: tuple[FloatArray, ...]
     whole: BoolArray
+    gaps: FloatArray
     bare: tuple[FloatArray, ...]
 
     @property
@@ -98,8 +100,9 @@ def lay_pattern(
     tiles: list[FloatArray] = []
     outlines: list[FloatArray] = []
     whole: list[bool] = []
+    gaps: list[float] = []
     bare: list[FloatArray] = []
-    for tile, outline in zip(pattern.tiles, pattern.outlines(), strict=True):
+    for tile, outline, gap in zip(pattern.tiles, pattern.outlines(), pattern.gaps, strict=True):
         here, own = ((x - point) @ rotation + middle for x in (tile, outline))
         shifts = _shifts(here, lattice, low, high)
         placed = shapely.polygons(here[None] + shifts[:, None])
@@ -110,13 +113,14 @@ def lay_pattern(
             whole.append(True)
         cut = placed[~inside & shapely.intersects(edge, placed)]
         for piece in _pieces(cut, edge, _NOTHING * pattern.tile_area):
-            scale = _scale_of(piece, pattern)
+            scale = _scale_of(piece, gap, pattern.tile_area)
             if scale is None:
                 bare.append(piece)
             else:
                 tiles.append(piece)
                 outlines.append(scale)
                 whole.append(False)
+        gaps += [gap] * (len(tiles) - len(gaps))
     if not tiles:
         raise PatternError(
             f"A sheet of {shown_size(border)} cuts all scales of the pattern to slivers: make it "
@@ -124,7 +128,7 @@ def lay_pattern(
         )
     return LaidPattern(
         pattern, border, float(direction), tuple(tiles), tuple(outlines), np.array(whole),
-        tuple(bare),
+        np.array(gaps), tuple(bare),
     )  # fmt: skip
 
 
@@ -157,10 +161,10 @@ def _pieces(tiles: Sequence[object], edge: shapely.Polygon, least: float) -> lis
     return pieces
 
 
-def _scale_of(piece: FloatArray, pattern: Pattern) -> FloatArray | None:
+def _scale_of(piece: FloatArray, gap: float, tile_area: float) -> FloatArray | None:
     """Outline of a piece's scale; None for a sliver, or where the gap leaves none in one part."""
-    outline = inset_corners(piece, 0.5 * pattern.gap)
-    if outline is None or polygon_area(outline) <= SLIVER * pattern.tile_area:
+    outline = inset_corners(piece, 0.5 * gap)
+    if outline is None or polygon_area(outline) <= SLIVER * tile_area:
         return None
     return outline
 

@@ -27,7 +27,7 @@ SHORTEST = 0.05  # of the inset: edges that it leaves shorter are lost
 
 
 def scale_outlines(
-    polygons: Sequence[FloatArray], numbers: Sequence[int], gap: float
+    polygons: Sequence[FloatArray], numbers: Sequence[int], gaps: Sequence[float]
 ) -> list[FloatArray]:
     """Outlines (m, 2) of the scales on tiles, counterclockwise, no corners on straight lines.
 
@@ -35,22 +35,24 @@ def scale_outlines(
     ----------
     polygons : corners (n_i, 2) of one tile of each shape that the pattern has, mm.
     numbers : of these tiles.
-    gap : mm, whole distance between neighboring scales.
+    gaps : mm, of their scales, each of which ends half of its own within the tile.
 
     Raises
     ------
     PatternError : a scale vanishes or falls apart.
     """
     outlines = []
-    for polygon, number in zip(polygons, numbers, strict=True):
+    for polygon, number, gap in zip(polygons, numbers, gaps, strict=True):
         corners = inset_corners(polygon, 0.5 * gap)
         if corners is None:
             n_pieces = shapely.get_num_geometries(_inset(polygon, 0.5 * gap))
+            # What holds for all tiles of one gap is told at once.
+            alike = [tile for tile, own in zip(polygons, gaps, strict=True) if own == gap]
             what = "vanishes" if n_pieces < 2 else f"falls apart into {n_pieces} pieces"
             raise PatternError(
                 f"A gap of {gap:g} mm is too wide for tile {number} "
                 f"({polygon_area(polygon):.4g} mm²): its scale {what}. "
-                f"Use a gap of {_widest_gap(polygons, gap):g} mm at most."
+                f"Use a gap of {_widest_gap(alike, gap):g} mm at most."
             )
         outlines.append(corners)
     return outlines

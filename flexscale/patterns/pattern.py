@@ -17,6 +17,7 @@ from flexscale.names import require_name
 from flexscale.patterns.cell import TiledCell, build_cell
 from flexscale.patterns.corners import ROUNDING
 from flexscale.patterns.drawing import read_drawing
+from flexscale.patterns.gaps import GAP, ONE_GAP, Gap, gaps_of_tiles, narrowest_gap, simplest
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
 from flexscale.patterns.polygons import lattice_vector, polygons
 from flexscale.patterns.prototiles import CONGRUENT, Prototile, TileCopy, find_prototiles
@@ -39,7 +40,6 @@ def _name(value: Any, label: str) -> str:
 
 #: Checks of what both constructors take.
 _OF_SCALES: dict[str, Check] = {
-    "gap": length(),
     "scale_height": length(),
     "substrate_thickness": length(),
     "bond_radius": number("mm", 0.0, LENGTHS[1]),
@@ -56,7 +56,9 @@ class Pattern:
     ----------
     tiling : the tiling whose tiles carry the scales.
     tile_area : mm², mean area of a tile.
-    gap : mm, width of the gap between neighboring scales.
+    gap : mm, width of the gap between neighboring scales. `from_polygons` takes one for each tile
+        as well: each scale then ends half its own gap within its tile, and the gap between two
+        scales is the mean of theirs.
     scale_height : mm.
     substrate_thickness : mm.
     bond_radius : mm, how far around a point of a scale's outline the sheet grips the scale's base;
@@ -72,7 +74,10 @@ class Pattern:
     tiles : tuple of (n_i, 2) counterclockwise polygons, mm, one per lattice class. Every vertex of
         the tiling is a corner, also one in the middle of a straight edge.
     lattice : (2, 2) rows t1, t2, right-handed, mm.
-    prototiles, copies : the tiles up to congruence, and where each tile of `tiles` comes from.
+    gap : mm, the narrowest between two scales.
+    gaps : mm, of the scale on each tile.
+    prototiles, copies : the tiles up to congruence and gap, and where each tile of `tiles` comes
+        from.
 
     Raises
     ------
@@ -85,6 +90,7 @@ class Pattern:
     tiling: Tiling | None
     tile_area: float
     gap: float
+    gaps: tuple[float, ...]
     scale_height: float
     substrate_thickness: float
     bond_radius: float
@@ -96,6 +102,7 @@ class Pattern:
     copies: tuple[TileCopy, ...]
     _given: tuple[tuple[FloatArray, ...], FloatArray]
     _given_bond_radius: float | None
+    _given_gap: Gap
 
     @checked(
         tiling=instance(
@@ -103,6 +110,7 @@ class Pattern:
             "write Pattern(Tiling('IH76')), or Pattern.from_polygons for your own polygons",
         ),
         tile_area=number("mm²", *AREAS, above=0.0),
+        gap=ONE_GAP,
         **_OF_SCALES,
     )
     def __init__(
@@ -132,6 +140,7 @@ class Pattern:
         t1=lattice_vector,
         t2=lattice_vector,
         symmetrize=checks.flag,
+        gap=GAP,
         **_OF_SCALES,
     )
     def from_polygons(
@@ -140,7 +149,7 @@ class Pattern:
         t1: ArrayLike,
         t2: ArrayLike,
         *,
-        gap: float = 0.4,
+        gap: Gap = 0.4,
         scale_height: float = 4.0,
         substrate_thickness: float = 0.4,
         bond_radius: float | None = None,
@@ -159,6 +168,7 @@ class Pattern:
         ----------
         tiles : polygons (n_i, 2), mm, one per lattice class, in either orientation.
         t1, t2 : (2,) lattice vectors, mm; they are exchanged if left-handed.
+        gap : mm, one for all scales, or one for each polygon, in their order.
         symmetrize : whether to make it the most symmetric pattern within 1e-3 of a tile's size,
             also where that moves corners by more than their last decimal.
 
@@ -179,16 +189,19 @@ class Pattern:
         self,
         cell: TiledCell,
         name: str,
-        sizes: tuple[float, float, float, float | None],
+        sizes: tuple[Gap, float, float, float | None],
         scale_material: NeoHookean,
         substrate_material: NeoHookean,
     ) -> None:
         gap, scale_height, substrate_thickness, bond_radius = sizes
         spread = _bond_radius(bond_radius, substrate_thickness, cell)
-        prototiles, copies = find_prototiles(cell, gap)
+        gaps = gaps_of_tiles(gap, len(cell.tiles))
+        prototiles, copies = find_prototiles(cell, gaps)
         self._set(
             name=name,
-            gap=gap,
+            gap=narrowest_gap(cell.tiles, cell.lattice, gaps, cell.size),
+            gaps=gaps,
+            _given_gap=simplest(gap),
             scale_height=scale_height,
             substrate_thickness=substrate_thickness,
             bond_radius=spread,
@@ -233,10 +246,10 @@ class Pattern:
     def symmetry(self) -> DrawnSymmetry:
         """Wallpaper group of the pattern as drawn, and the directions that bend differently.
 
-        Scales have one gap, height and material, so the symmetry of the tiles is that of the sheet.
+        Scales have one height and material: the symmetry of the sheet is that of tiles and gaps.
         """
         tolerance = TOLERANCE if self.tiling else CONGRUENT
-        return drawn_symmetry(self.tiles, self.lattice, tolerance=tolerance)
+        return drawn_symmetry(self.tiles, self.lattice, tolerance=tolerance, marks=self.gaps)
 
     def symmetrize(self) -> Pattern:
         """The most symmetric pattern of which the tiles lie within 1e-3 of their size.
@@ -247,7 +260,7 @@ class Pattern:
             return self
         tiles, lattice = self._given
         kept = {key: getattr(self, key) for key in ("name", *SIZES, *MATERIALS)}
-        kept["bond_radius"] = self._given_bond_radius
+        kept |= {"gap": self._given_gap, "bond_radius": self._given_bond_radius}
         return Pattern.from_polygons(tiles, *lattice, symmetrize=True, **kept)
 
     def with_(self, **changes: Any) -> Pattern:
@@ -264,7 +277,7 @@ class Pattern:
                     f"{suggest(key, sorted(known))}"
                 )
         kept = {key: getattr(self, key) for key in known}
-        kept |= {"bond_radius": self._given_bond_radius} | changes
+        kept |= {"gap": self._given_gap, "bond_radius": self._given_bond_radius} | changes
         if self.tiling:
             return Pattern(**kept)
         tiles, lattice = self._given
@@ -284,6 +297,8 @@ class Pattern:
             config["tiles"] = [tile.tolist() for tile in tiles]
             config["lattice"] = lattice.tolist()
         config |= {key: getattr(self, key) for key in SIZES}
+        if isinstance(self._given_gap, tuple):
+            config["gap"] = list(self._given_gap)
         return config | {key: asdict(getattr(self, key)) for key in MATERIALS}
 
     @classmethod
@@ -324,9 +339,8 @@ class Pattern:
         return hash((self.name, self.family, self.gap, self.scale_height, self.n_scales))
 
     def __repr__(self) -> str:
-        return (
-            f"Pattern({self.name!r}, {self.family}, {self.n_scales} scale(s), gap {self.gap:g} mm)"
-        )
+        gaps = " to ".join(f"{gap:g}" for gap in sorted({min(self.gaps), max(self.gaps)}))
+        return f"Pattern({self.name!r}, {self.family}, {self.n_scales} scale(s), gap {gaps} mm)"
 
 
 SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")

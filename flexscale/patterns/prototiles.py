@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,12 +27,14 @@ class Prototile:
     sharp : (n,) flags of corners that deserve small elements.
     stabiliser : isometries that carry the tile onto itself, the identity first.
     outline : (m, 2) counterclockwise outline of its scale, mm.
+    gap : mm, of its scale, of which half lies within the tile.
     """
 
     polygon: FloatArray
     sharp: BoolArray
     stabiliser: tuple[Isometry, ...]
     outline: FloatArray
+    gap: float
 
 
 @dataclass(frozen=True)
@@ -43,33 +46,36 @@ class TileCopy:
 
 
 def find_prototiles(
-    cell: TiledCell, gap: float
+    cell: TiledCell, gaps: Sequence[float]
 ) -> tuple[tuple[Prototile, ...], tuple[TileCopy, ...]]:
-    """Sort the tiles by congruence, corners and their sharpness included.
+    """Sort the tiles by congruence, corners, their sharpness and gaps included.
 
     Symmetries are read off the polygons, so that any symmetric tile gets a symmetric mesh,
     whichever way it was given.
 
     Parameters
     ----------
-    gap : mm, between the scales.
+    gaps : mm, of the tiles' scales.
 
     Raises
     ------
-    PatternError : the gap leaves a tile no scale in one piece.
+    PatternError : a gap leaves a tile no scale in one piece.
     """
-    firsts, copies = _sorted_by_congruence(cell)
-    outlines = scale_outlines([cell.tiles[number] for number in firsts], firsts, gap)
+    firsts, copies = _sorted_by_congruence(cell, gaps)
+    own = [gaps[number] for number in firsts]
+    outlines = scale_outlines([cell.tiles[number] for number in firsts], firsts, own)
     tolerance = CONGRUENT * cell.size
     prototiles = []
     for number, outline in zip(firsts, outlines, strict=True):
         tile, sharp = cell.tiles[number], cell.sharp[number]
         stabiliser = tuple(polygon_isometries(tile, sharp, tile, sharp, tolerance))
-        prototiles.append(Prototile(tile, sharp, stabiliser, outline))
+        prototiles.append(Prototile(tile, sharp, stabiliser, outline, gaps[number]))
     return tuple(prototiles), tuple(copies)
 
 
-def _sorted_by_congruence(cell: TiledCell) -> tuple[list[int], list[TileCopy]]:
+def _sorted_by_congruence(
+    cell: TiledCell, gaps: Sequence[float]
+) -> tuple[list[int], list[TileCopy]]:
     """Numbers of the first tile of each shape, and for every tile which shape it is, and where."""
     tolerance = CONGRUENT * cell.size
     measures = congruence_measures(cell.tiles)
@@ -80,6 +86,8 @@ def _sorted_by_congruence(cell: TiledCell) -> tuple[list[int], list[TileCopy]]:
         # Of tiles of many shapes few are so much as alike.
         apart = np.abs(known[: len(firsts)] - measures[number]).max(axis=1, initial=0.0)
         for index in np.flatnonzero(apart <= 4.0 * tolerance).tolist():
+            if gaps[firsts[index]] != gaps[number]:
+                continue
             tile, marks = cell.tiles[firsts[index]], cell.sharp[firsts[index]]
             placement = next(polygon_isometries(tile, marks, polygon, sharp, tolerance), None)
             if placement is not None:

@@ -16,15 +16,18 @@ from pydantic_core import PydanticCustomError
 
 from flexscale.checks import length
 from flexscale.errors import UnknownNameError, shown, suggest
+from flexscale.patterns.gaps import GAP
 from flexscale.patterns.material import PETG, RIGID, TPU, TPU_MEASURED, NeoHookean
 from flexscale.patterns.named import find_named_pattern
 from flexscale.patterns.pattern import Pattern
-from flexscale.steps.quantities import declared, series, several, unit, within
+from flexscale.steps.quantities import declared, one_or_each, series, several, unit, within
 from flexscale.units import MODULI, RATIOS
 
 Length = Annotated[float, unit("mm")]
 #: A length of something, which is positive; other lengths are places.
 Size = Annotated[float, unit("mm"), within(length(), "a length")]
+#: Of one gap, or of each polygon's.
+Gaps = Annotated[Any, one_or_each("mm"), within(GAP, "gap")]
 Area = Annotated[float, unit("mm2")]
 Curvature = Annotated[float, unit("mm-1")]
 Modulus = Annotated[float, unit("MPa")]
@@ -168,7 +171,11 @@ class PatternBlock(Block):
     symmetrize: bool | None = declared(
         None, "whether `tiles` that are nearly symmetric become exactly so"
     )
-    gap: Size = declared(_default(Pattern, "gap"), "gap between neighboring scales", gt=0.0)
+    gap: Gaps = declared(
+        _default(Pattern, "gap"),
+        "gap between neighboring scales; of `tiles` also a list, one for each: between two it is "
+        "their mean",
+    )
     scale_height: Size = declared(_default(Pattern, "scale_height"), "scale height", gt=0.0)
     substrate_thickness: Size = declared(
         _default(Pattern, "substrate_thickness"), "substrate thickness", gt=0.0

@@ -98,18 +98,28 @@ def build_plan(experiment: Experiment) -> Plan:
 
 def _jobs_of(pattern: Pattern, experiment: Experiment) -> list[Job]:
     """Jobs of one pattern: the steps the experiment wants, then its figures."""
-    made: dict[str, Job] = {}
+    made: dict[str, list[Job]] = {}
     for step, block in experiment.wanted():
-        recipe = step.recipe(step.parameters(pattern, experiment.model, block))
-        sources = [made[needed] for needed in experiment.inputs(block)]
-        made[step.name] = _job(
-            step.name, step.name, pattern, recipe, sources, block.n_samples(pattern)
-        )
-    figures = [
-        _job(FIGURE, name, pattern, figure_recipe(name), [made[n] for n in FIGURES[name].needs])
-        for name in experiment.figures
-    ]
-    return [*made.values(), *figures]
+        sources = [job for needed in experiment.inputs(block) for job in made[needed]]
+        made[step.name] = [
+            _job(
+                step.name,
+                step.name,
+                pattern,
+                step.recipe(step.parameters(pattern, experiment.model, own)),
+                sources,
+                own.n_samples(pattern),
+            )
+            for own in block.one_by_one(pattern)
+        ]
+    figures = []
+    for name in experiment.figures:
+        first, *others = FIGURES[name].needs
+        rest = [job for needed in others for job in made[needed]]
+        figures += [
+            _job(FIGURE, name, pattern, figure_recipe(name), [job, *rest]) for job in made[first]
+        ]
+    return [*(job for jobs in made.values() for job in jobs), *figures]
 
 
 def _job(

@@ -67,6 +67,11 @@ class Quantity(NamedTuple):
         exact = inverse and abs(inverse * factor - 1.0) < 1e-12
         return float(number) / inverse if exact else float(number) * factor
 
+    def read_each(self, value: Any) -> Any:
+        """As `read`, of one value or of a list of them."""
+        several = isinstance(value, list | tuple)
+        return [self.read(item) for item in value] if several else self.read(value)
+
     def expand(self, value: Any) -> Any:
         """List of numbers from {start, stop, step} or from a single one; else left to pydantic."""
         if isinstance(value, str | int | float):
@@ -132,6 +137,11 @@ def _refuse(value: Any, unit: str) -> PydanticCustomError:
 def unit(name: str) -> BeforeValidator:
     """Marker for `Annotated[float, unit("mm")]`: accepts 0.4 and '0.4 mm'."""
     return BeforeValidator(Quantity(name).read)
+
+
+def one_or_each(name: str) -> BeforeValidator:
+    """Marker for a value, or for one of each of several things: accepts '0.4 mm' and [0.4, 0.8]."""
+    return BeforeValidator(Quantity(name).read_each)
 
 
 def within(check: Callable[[float, str], object], what: str) -> AfterValidator:

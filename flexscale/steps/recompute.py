@@ -10,6 +10,7 @@ import numpy as np
 
 from flexscale.datasets.identity import content_digest
 from flexscale.steps.catalog import STEPS
+from flexscale.steps.native_inputs import inputs_by_step
 from flexscale.steps.step import Resources
 
 if TYPE_CHECKING:
@@ -64,7 +65,8 @@ def recompute(entry: Entry, registry: Registry, workers: int = 1) -> Recomputed:
     """
     record = registry.record(entry)
     step, recipe = STEPS[record["recipe"]["step"]], record["recipe"]
-    inputs = {item["id"].split(":")[0]: registry.load(item["id"]) for item in record["inputs"]}
+    sources = [item["id"] for item in record["inputs"]]
+    inputs = inputs_by_step((source.split(":")[0], registry.load(source)) for source in sources)
     task = step.task(recipe["parameters"])
     started = time.monotonic()
     dataset = step.compute(task, inputs, Resources(workers=workers if step.parallel else 1))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 from flexscale.datasets.identity import Recipe
 from flexscale.homogenize.checkpoint import Checkpoint
@@ -52,6 +52,10 @@ class StepBlock(Block):
             if getattr(self, name) == type(self).model_fields[name].default:
                 del config[name]
         return config
+
+    def one_by_one(self, pattern: Pattern) -> tuple[Self, ...]:
+        """Blocks of the jobs that it takes for a pattern, each of which makes a dataset."""
+        return (self,)
 
     def n_samples(self, pattern: Pattern) -> int:
         """Number of equilibria to solve; 0 for what has no samples."""
@@ -135,8 +139,8 @@ class Step:
     version : raised whenever its numbers change.
     block : class of its block.
     meaning : of the block, a few words; shown by `flexscale run --fields`.
-    compute : task, input datasets by step name, resources -> dataset of kind `name`. Pure: no
-        paths, environment or clocks. It loads what it computes with when it is called.
+    compute : task, input datasets by step name (see `inputs_by_step`), resources -> dataset of kind
+        `name`. Pure: no paths, environment or clocks. It loads what it computes with when called.
     native : options of the native model that the result depends on.
     figures : of its dataset.
     implied : whether it is done, with its default block, wherever another step takes its dataset.

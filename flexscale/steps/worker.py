@@ -19,6 +19,7 @@ from flexscale.steps.events import EventWriter
 from flexscale.steps.experiment import load_experiment
 from flexscale.steps.figures import FIGURE, draw_figure
 from flexscale.steps.job_ends import RESUME
+from flexscale.steps.native_inputs import inputs_by_step
 from flexscale.steps.plan import Job, Plan, build_plan
 from flexscale.steps.step import Resources
 from flexscale.steps.summary import failed_samples
@@ -55,7 +56,7 @@ def _compute(
     started, spent = time.monotonic(), _cpu_seconds()
     step = STEPS[job.step]
     task = step.task(job.recipe.parameters)
-    datasets = {entry.kind: store.load(entry) for entry in inputs}
+    datasets = inputs_by_step((entry.kind, store.load(entry)) for entry in inputs)
     checkpoint = store.checkpoint(job.recipe, inputs) if step.resumable else None
     resumed = checkpoint is not None and checkpoint.has_samples
     resources = Resources(

@@ -30,6 +30,7 @@ class PlacedTiles:
     polygons : (n_i, 2) simple polygons in either orientation, one per lattice class.
     lattice : (2, 2) rows.
     tolerance : length below which outlines and centroids are the same.
+    marks : one for each tile; tiles of different marks are not the same. None if there are none.
 
     Attributes
     ----------
@@ -38,10 +39,15 @@ class PlacedTiles:
     """
 
     def __init__(
-        self, polygons: Sequence[FloatArray], lattice: FloatArray, tolerance: float
+        self,
+        polygons: Sequence[FloatArray],
+        lattice: FloatArray,
+        tolerance: float,
+        marks: Sequence[float] | None = None,
     ) -> None:
         self.lattice = lattice
         self.tolerance = tolerance
+        self._marks = list(marks) if marks is not None else [0.0] * len(polygons)
         measured = [_area_and_centroid(polygon) for polygon in polygons]
         self.areas = np.array([abs(area) for area, _ in measured])
         self.centroids = np.array([centroid for _, centroid in measured])
@@ -59,6 +65,7 @@ class PlacedTiles:
         other = PlacedTiles((), lattice, tolerance)
         other.areas, other.centroids = self.areas[which], self.centroids[which]
         other._shapes = [self._shapes[tile] for tile in which]
+        other._marks = [self._marks[tile] for tile in which]
         return other
 
     def __len__(self) -> int:
@@ -153,6 +160,8 @@ class PlacedTiles:
         return any(self._same_shape(tile, other, linear) for other in others)
 
     def _same_shape(self, tile: int, other: int, linear: FloatArray) -> bool:
+        if self._marks[tile] != self._marks[other]:
+            return False
         if abs(self.areas[tile] - self.areas[other]) > self._area_between[tile]:
             return False
         key = (self._kinds[tile], self._kinds[other], linear.tobytes())

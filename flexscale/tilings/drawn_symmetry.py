@@ -35,7 +35,11 @@ JUST_BELOW = 1e-9  # a fraction this little below 1 is 1
 
 
 def drawn_symmetry(
-    tiles: Sequence[ArrayLike], lattice: ArrayLike, *, tolerance: float = TOLERANCE
+    tiles: Sequence[ArrayLike],
+    lattice: ArrayLike,
+    *,
+    tolerance: float = TOLERANCE,
+    marks: Sequence[float] | None = None,
 ) -> DrawnSymmetry:
     """Find the wallpaper group of a tiling from the shapes of its tiles alone.
 
@@ -45,13 +49,14 @@ def drawn_symmetry(
         straight edges do not count, curved edges come as many corners.
     lattice : (2, 2) rows t1, t2.
     tolerance : how far an image may lie off, in roots of a tile's mean area.
+    marks : one for each tile, which a symmetry keeps; None if there are none.
 
     Raises
     ------
     TilingError : no polygons, no lattice, or areas that do not add up to that of the cell.
     UnitRangeError : the tolerance is not a positive number.
     """
-    _, given = _checked(tiles, lattice)
+    _, given = _checked(tiles, lattice, marks)
     cell = _primitive(given, tolerance)
     basis = cell.placed.lattice
     shifts: dict[LatticeOperation, FloatArray] = {}
@@ -172,7 +177,7 @@ def _into_cell(shift: FloatArray, basis: FloatArray) -> FloatArray:
 
 
 def _checked(
-    tiles: Sequence[ArrayLike], lattice: ArrayLike
+    tiles: Sequence[ArrayLike], lattice: ArrayLike, marks: Sequence[float] | None = None
 ) -> tuple[list[FloatArray], PlacedTiles]:
     """Polygons, and the tiles that they are on their lattice."""
     try:
@@ -185,7 +190,7 @@ def _checked(
     if cell.shape != (2, 2) or not all(np.isfinite(array).all() for array in (cell, *polygons)):
         raise TilingError("Symmetry needs finite corners and a lattice of two (x, y) vectors.")
     area = abs(float(np.linalg.det(cell)))
-    placed = PlacedTiles(polygons, cell, 0.0)
+    placed = PlacedTiles(polygons, cell, 0.0, marks)
     total = float(placed.areas.sum())
     if area == 0.0 or abs(total - area) > AREA_TOLERANCE * area:
         raise TilingError(

@@ -90,8 +90,8 @@ def test_edges_are_fine_until_past_the_tips_of_sharp_scales() -> None:
     """A tip of angle 2 a lies half a gap over tan a along the edge."""
     options = MeshOptions()
     rhombus, square = (named_pattern(name) for name in ("rhombus", "square"))
-    assert find_tip_sizes(square.prototiles, square.gap, options) == TipSizes()
-    tips = find_tip_sizes(rhombus.prototiles, rhombus.gap, options)
+    assert find_tip_sizes(square.prototiles, [options]) == TipSizes()
+    tips = find_tip_sizes(rhombus.prototiles, [options])
     assert tips.reach == pytest.approx(0.2 / np.tan(np.radians(30.0)) + 0.4)
     assert tips.largest == pytest.approx(0.2)
     mesh = build_mesh(rhombus, options)

@@ -86,7 +86,7 @@ def test_resolved_experiment_reads_back_the_same() -> None:
     ("content", "expected"),
     [
         (changed(gpa=0.4), "patterns.tiles: there is no key 'gpa'. Did you mean 'gap'"),
-        (changed(gap=-1), "patterns.tiles.gap: Input should be greater than 0, not -1"),
+        (changed(gap=-1), "patterns.tiles.gap: gap is -1 mm, but must be positive"),
         (changed(gap="0.4 MPa"), "'0.4 MPa' is not a value in mm"),
         (changed(gap=True), "True is not a value in mm"),
         (changed(gap=float("nan")), "patterns.tiles.gap"),

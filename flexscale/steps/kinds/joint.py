@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic_core import PydanticCustomError
 
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.joints.key import VERSION
 from flexscale.patterns.pattern import Pattern
+from flexscale.steps.blocks import Size
 from flexscale.steps.quantities import declared
 from flexscale.steps.step import Figure, Resources, Step, StepBlock, Task
 
@@ -16,23 +19,52 @@ if TYPE_CHECKING:
 
     from flexscale.joints.compute import SolvedJoint
     from flexscale.joints.key import JointKey
+    from flexscale.steps.experiment import Experiment
 
 
 class JointBlock(StepBlock):
     """Law of the joints between scales: energy per length of their relative pose."""
 
+    silent: ClassVar[tuple[str, ...]] = ("gap",)
+
     groove: bool = declared(False, "the sheet has the grooves that `flexscale fabricate` cuts")
+    gap: Size | None = declared(
+        None, "the gap of a joint, where a pattern has several; each of them if left out"
+    )
+
+    def one_by_one(self, pattern: Pattern) -> tuple[JointBlock, ...]:
+        """A block for each gap of the pattern's joints."""
+        from flexscale.patterns.joint_lines import joint_gaps
+
+        gaps = joint_gaps(pattern)
+        if self.gap is not None or len(gaps) == 1:
+            return (self,)
+        return tuple(self.model_copy(update={"gap": gap}) for gap in gaps)
+
+    def refuse_in(self, experiment: Experiment) -> None:
+        """The law of one gap, where cells need those of all."""
+        takers = [
+            step.name for step, block in experiment.asked() if "joint" in experiment.inputs(block)
+        ]
+        if self.gap is not None and takers:
+            raise PydanticCustomError(
+                "gap",
+                "`joint` asks for the law of one gap, {gap} mm, but `{taker}` takes those of all "
+                "joints: leave joint.gap out",
+                {"gap": f"{self.gap:g}", "taker": takers[0]},
+            )
 
     def refuse_of(self, pattern: Pattern, native: NativeModel) -> None:
         """Sizes for which no joint can be computed."""
-        self.key(pattern)
+        for block in self.one_by_one(pattern):
+            block.key(pattern)
 
     def key(self, pattern: Pattern) -> JointKey:
         """What the law depends on."""
         from flexscale.joints.key import JointGroove
         from flexscale.joints.library import pattern_key
 
-        return pattern_key(pattern, JointGroove() if self.groove else None)
+        return pattern_key(pattern, JointGroove() if self.groove else None, self.gap)
 
 
 def compute(
@@ -45,6 +77,8 @@ def compute(
 
     joint = solved_joint(task.block.key(task.pattern))
     scalars = pattern_scalars(task.pattern, task.native)
+    if task.block.gap is not None:
+        scalars["gap"] = task.block.gap
     return build_joint_dataset(_arrays(joint), scalars=scalars, config=task.config)
 
 

@@ -71,10 +71,10 @@ def room_of(module: str) -> str | None:
     return parts[1] if len(parts) > 1 else "flexscale"
 
 
-def imports_of(source: str, package: str) -> list[tuple[int, str]]:
+def imports_of(tree: ast.AST, package: str) -> list[tuple[int, str]]:
     """All (line, dotted name) a module imports, at any depth, relative imports resolved."""
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -110,7 +110,7 @@ def runtime_imports(path: Path) -> set[str]:
             node.body = [ast.Pass()]
     parts = ["flexscale", *path.relative_to(PACKAGE).parent.parts]
     found = set()
-    for _, name in imports_of(ast.unparse(tree), ".".join(parts)):
+    for _, name in imports_of(tree, ".".join(parts)):
         file = PACKAGE.joinpath(*name.split(".")[1:])
         if name.startswith("flexscale.") and file.with_suffix(".py").is_file():
             found.add(name)
@@ -136,7 +136,7 @@ def violations(source: str, path: str) -> list[str]:
     room = path.split("/")[0].removesuffix(".py")
     package = ".".join(["flexscale", *path.split("/")[:-1]])
     bad = []
-    for line, module in imports_of(source, package):
+    for line, module in imports_of(ast.parse(source), package):
         target = room_of(module)
         if target is not None and not allowed(room, target):
             bad.append(f"flexscale/{path}:{line} imports {module}: upward or sideways")

@@ -70,7 +70,7 @@ def test_help_of_every_command_on_every_terminal(
         ["data", "list", "kind=fit"],
         ["data", "findings", "isotropic-to-tetragonal"],
         ["data", "show", "sweep:é"],
-        ["tiling", "list"],
+        pytest.param(["tiling", "list"], marks=pytest.mark.slow),  # the symmetry of 93 families
         ["tiling", "list", "IH07"],
         ["figures", "κ"],
         ["fabricate", "κ"],

@@ -96,6 +96,7 @@ ALL = (
     Page("joint_cells"),
     Page("joint_sheets"),
     Page("half_turn"),
+    Page("hinged_strip"),
     Page("contact_convergence"),
     Page("branches"),
     Page("never_stuck", reads="named_patterns"),

@@ -115,6 +115,7 @@ ALL = (
     Page("macro_shell"),
     Page("registry", runs=True),
     Page("kills", runs=True),
+    Page("interruptions", runs=True),
     Page("fabricate"),
     Page("fuzz", runs=True),
 )

@@ -143,7 +143,8 @@ def _native() -> list[Call]:
         Call("tangent_stiffness", fs.tangent_stiffness,
              options | {"pattern": pattern}, 2),
         Call("simulate_native_sheet", fs.simulate_native_sheet,
-             whole | bends | sizes | {"side": both}, 3),
+             whole | bends | sizes
+             | {"side": both, "outline": [[0, 0], [60, 0], [60, 30], [30, 25], [0, 30]]}, 3),
         Call("simulate_native_stage", fs.simulate_native_stage,
              whole | sizes | {"shortenings": [1.0, 2.0], "sides": ("closing",)}, 3),
         Call("simulate_native_mandrel", fs.simulate_native_mandrel,

@@ -57,7 +57,8 @@ FULL: tuple[dict[str, Any], ...] = (
     _COMMON | {
         "native": "joints",
         "joint": {"groove": True},
-        "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01]},
+        "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01], "offset": [1, 2],
+                         "outline": [[0, 0], [60, 0], [60, 30], [30, 25], [0, 30]]},
         "native_rig": {"sides": ["closing"], "stage": {"length": 60, "shortenings": [1]},
                        "mandrel": {"radius": 60, "hub": 10, "angles": [0, 90]}},
     },

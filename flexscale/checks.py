@@ -245,15 +245,18 @@ def having(*names: str, remedy: str) -> Check:
 
 
 def place(given: Any, name: str) -> tuple[float, float]:
-    """A check of a point in the plane, mm.
+    """A check of a point of a pattern, mm, no farther away than the longest sheet is long.
 
     Raises
     ------
-    BadInputError : not two finite numbers.
+    BadInputError : not two finite numbers, or a point too far away.
     """
     values = series("mm", name)(given, name)
     if len(values) != 2:
         raise BadInputError(f"{name} needs two lengths in mm, along x and y, not {len(values)}.")
+    farthest = units.LENGTHS[1]
+    for value in values:
+        units.require_range(value, name, "mm", -farthest, farthest)
     return values[0], values[1]
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexscale import checks
 from flexscale.arrays import FloatArray, IntArray
@@ -22,6 +23,7 @@ from flexscale.mesh.prism_surface import prism_surface
 from flexscale.mesh.surface_file import surface_file
 from flexscale.mesh.vtu import write_vtu
 from flexscale.patterns.pattern import Pattern
+from flexscale.patterns.sheet_outline import sheet_outline
 from flexscale.short_repr import ShortRepr
 from flexscale.sides import ONE_SIDE
 from flexscale.status import SolveStatus
@@ -123,6 +125,7 @@ class DeformedScales(ShortRepr):
     side=ONE_SIDE,
     direction=ANGLE,
     offset=checks.place,
+    outline=sheet_outline,
     model=native_model,
 )
 def deform_native_sheet(
@@ -134,6 +137,7 @@ def deform_native_sheet(
     side: str = "closing",
     direction: float = 0.0,
     offset: Sequence[float] = (0.0, 0.0),
+    outline: ArrayLike | None = None,
     model: NativeModel | str = "joints",
 ) -> DeformedScales:
     """Where the scales of a sheet lie that is bent between end strips (Fig. 13).
@@ -142,7 +146,7 @@ def deform_native_sheet(
     ----------
     curvature : mm-1, not negative.
     side : "closing" or "opening".
-    pattern, length, width, direction, offset, model : as of `simulate_native_sheet`.
+    pattern, length, width, direction, offset, outline, model : as of `simulate_native_sheet`.
 
     Raises
     ------
@@ -152,7 +156,7 @@ def deform_native_sheet(
     require_joints(native)
     check_bends(length, (curvature,), (side,))
     require_moderate_scales(pattern, length * width)
-    sheet = NativeSheet(pattern, length, width, direction, offset, native=native)
+    sheet = NativeSheet(pattern, length, width, direction, offset, native=native, outline=outline)
     line = Line(side, 0.0, (curvature,))
     (sample,) = follow_line(sheet, line, native.solver)
     status = SolveStatus(sample["status"])

@@ -9,8 +9,7 @@ import numpy as np
 from flexscale.arrays import BoolArray, FloatArray, IntArray
 from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.rigid_cell import RigidCell
-from flexscale.errors import PatternError
-from flexscale.finite.sheet_scales import SheetScales
+from flexscale.finite.sheet_scales import SheetScales, require_connected
 from flexscale.homogenize.bent_joints import JointState
 from flexscale.homogenize.joint_cell import laws_of
 from flexscale.homogenize.joint_problem import JointProblem, place_stations
@@ -60,11 +59,7 @@ class JointSheet(JointProblem):
         self, sheet: SheetScales, native: NativeModel, free: BoolArray, still: bool
     ) -> None:
         pattern = sheet.laid.pattern
-        if not sheet.held_together():
-            raise PatternError(
-                "The border cuts this sheet into parts that no joint connects: make it wider, or "
-                "turn the pattern."
-            )
+        require_connected(sheet)
         self.sheet, self.pattern, self.still = sheet, pattern, still
         embedding = RigidCell(sheet.scales, np.flatnonzero(free), still)
         super().__init__(

@@ -1,4 +1,4 @@
-"""A rectangular sheet of scales on joints between two end strips on a cylinder (Figs. 13, 14).
+"""A sheet of scales on joints between two end strips on a cylinder (Figs. 13, 14).
 
 Scales that touch the ends are the strips: flat, tangent to the cylinder at the end. Those of the
 near end are held; those of the far end are carried along the arc by (1 + Sxx) times the sheet's
@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexscale.arrays import FloatArray, IntArray
 from flexscale.errors import BadInputError, PatternError
@@ -23,13 +24,15 @@ from flexscale.finite.joint_sheet import JointSheet
 from flexscale.finite.sheet_scales import (
     SheetScales,
     find_sheet_scales,
+    require_connected,
     require_moderate_scales,
 )
 from flexscale.homogenize.line import Line, follow_line
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.load_series import require_bends
-from flexscale.patterns.laid import LaidPattern, lay_pattern, on_line, rectangle
+from flexscale.patterns.laid import LaidPattern, lay_pattern, on_line
 from flexscale.patterns.pattern import Pattern
+from flexscale.patterns.sheet_outline import sheet_border
 from flexscale.sides import SOME_SIDES
 from flexscale.solve.solver_options import SolverOptions
 
@@ -59,15 +62,25 @@ def strips_of(laid: LaidPattern, length: float, width: float) -> list[tuple[IntA
     ]
 
 
-def require_sheet(pattern: Pattern, length: float, width: float, direction: float) -> None:
+def require_sheet(
+    pattern: Pattern,
+    length: float,
+    width: float,
+    direction: float,
+    offset: Sequence[float] = (0.0, 0.0),
+    outline: ArrayLike | None = None,
+) -> None:
     """Refuse a sheet between strips or hinges that cannot be, before anything is solved.
 
     Raises
     ------
-    BadInputError, PatternError : more scales than memory holds, or ends that hold none or all.
+    BadInputError, PatternError : more scales than memory holds, an outline without both ends, ends
+        that hold no scale or all, or parts that no joint connects.
     """
+    border = sheet_border(length, width, outline)
     require_moderate_scales(pattern, length * width)
-    strips_of(lay_pattern(pattern, rectangle(length, width), direction), length, width)
+    laid = lay_pattern(pattern, border, direction, offset)
+    require_connected(find_sheet_scales(laid, strips_of(laid, length, width), touch=False))
 
 
 class NativeSheet(JointSheet):
@@ -81,6 +94,7 @@ class NativeSheet(JointSheet):
     offset : (2,) mm, point of the pattern that lies in the middle of the sheet.
     ends : "arc" or "turned".
     native : contact and solver; of the model `joints`.
+    outline : (n, 2) corners, mm, if the sheet is no rectangle: see `sheet_border`.
 
     Raises
     ------
@@ -96,9 +110,10 @@ class NativeSheet(JointSheet):
         offset: Sequence[float] = (0.0, 0.0),
         ends: str = "arc",
         native: NativeModel | None = None,
+        outline: ArrayLike | None = None,
     ) -> None:
         native = native or NativeModel()
-        laid = lay_pattern(pattern, rectangle(length, width), direction, offset)
+        laid = lay_pattern(pattern, sheet_border(length, width, outline), direction, offset)
         strips = strips_of(laid, length, width)
         scales: SheetScales = find_sheet_scales(laid, strips, native.contact.enabled)
         self.length, self.width, self.ends = length, width, ends

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexscale import checks
 from flexscale.checks import ANGLE, checked, function, length, series
@@ -20,6 +21,7 @@ from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_model import NativeModel, native_model, require_joints
 from flexscale.homogenize.sweep import SampleEvent, run_lines
 from flexscale.patterns import Pattern
+from flexscale.patterns.sheet_outline import sheet_outline
 from flexscale.sides import one_side_or_some
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ _COUNTED = ("newton_iterations", "negative_eigenvalues", "contact_pairs", "outsi
     direction=ANGLE,
     side=one_side_or_some,
     offset=checks.place,
+    outline=sheet_outline,
     model=native_model,
     checkpoint=checks.CHECKPOINT,
     on_sample=function,
@@ -51,11 +54,12 @@ def simulate_native_sheet(
     direction: float = 0.0,
     side: str | Sequence[str] = ("closing", "opening"),
     offset: Sequence[float] = (0.0, 0.0),
+    outline: ArrayLike | None = None,
     model: NativeModel | str = "joints",
     checkpoint: Checkpoint | None = None,
     on_sample: Callable[[SampleEvent], None] | None = None,
 ) -> xr.Dataset:
-    """Bend a rectangular sheet of scales on joints between two end strips (Figs. 13, 14).
+    """Bend a sheet of scales on joints between two end strips (Figs. 13, 14).
 
     The strips are the scales that touch the ends; the sheet's sides are free. See `NativeSheet`.
 
@@ -67,6 +71,8 @@ def simulate_native_sheet(
     direction : degree, of the sheet's length in the pattern's coordinates.
     side : "closing", "opening", or both; of one alone, the dataset has no such axis.
     offset : (2,) mm, point of the pattern that lies in the middle of the sheet.
+    outline : (n, 2) corners of a sheet that is no rectangle, mm, in either orientation. It fills
+        the length and width from the origin on, and has edges at x = 0 and x = length, its ends.
     model : the native model, of joints, or its name with its default options.
     checkpoint : keeps samples as they finish, and gives back those of an interrupted run.
     on_sample : called as samples finish.
@@ -87,7 +93,7 @@ def simulate_native_sheet(
     sides = (side,) if isinstance(side, str) else tuple(side)
     check_bends(length, curvatures, sides)
     require_moderate_scales(pattern, length * width)
-    sheet = NativeSheet(pattern, length, width, direction, offset, native=native)
+    sheet = NativeSheet(pattern, length, width, direction, offset, native=native, outline=outline)
     kappa = tuple(curvatures)
     # The pattern is turned on the sheet, which always bends along its length.
     lines = [Line(side, 0.0, kappa) for side in sides]
@@ -119,6 +125,7 @@ def simulate_native_sheet(
         config={
             "pattern": pattern.to_config(),
             "offset": [float(value) for value in offset],
+            **({} if outline is None else {"outline": np.asarray(outline, float).tolist()}),
             **native.to_config(),
             **sheet.facts,
         },

@@ -69,6 +69,20 @@ def require_moderate_scales(pattern: Pattern, area: float) -> None:
         )
 
 
+def require_connected(sheet: SheetScales) -> None:
+    """Refuse a sheet in parts.
+
+    Raises
+    ------
+    PatternError : joints do not connect all bodies.
+    """
+    if not sheet.held_together():
+        raise PatternError(
+            "The border cuts this sheet into parts that no joint connects: make it wider, or "
+            "turn the pattern."
+        )
+
+
 def find_sheet_scales(
     laid: LaidPattern,
     groups: list[tuple[IntArray, FloatArray]],

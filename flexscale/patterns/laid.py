@@ -24,7 +24,7 @@ from flexscale.short_repr import ShortRepr
 
 SLIVER = 0.05  # of the tiles' mean area: smaller scales are left out
 _NOTHING = 1e-9  # of the mean tile area: pieces that are rounding
-_ON_LINE = 1e-7  # mm
+ON_LINE = 1e-7  # mm, from a line: rounding
 
 
 @dataclass(frozen=True, repr=False)
@@ -171,5 +171,5 @@ def _scale_of(piece: FloatArray, gap: float, tile_area: float) -> FloatArray | N
 
 def on_line(tile: FloatArray, x: float) -> bool:
     """Whether a tile has an edge on the line across the sheet at x, mm."""
-    near = np.abs(tile[:, 0] - x) < _ON_LINE
+    near = np.abs(tile[:, 0] - x) < ON_LINE
     return bool((near & np.roll(near, -1)).any())

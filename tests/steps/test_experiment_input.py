@@ -91,6 +91,12 @@ def test_scales_softer_than_the_sheet_are_told(caplog: pytest.LogCaptureFixture)
     ]
 
 
+def outlined(*corners: list[float], length: float = 60, width: float = 30) -> dict[str, Any]:
+    """A block of a sheet of scales with an outline."""
+    sizes = {"length": length, "width": width, "curvatures": [0]}
+    return sizes | {"outline": list(corners)}
+
+
 MANY = [0] * 20_000
 TINY = changed(tile_area=1, gap=0.1)
 OUT_OF_BOUNDS: dict[str, tuple[dict[str, Any], str]] = {
@@ -111,6 +117,49 @@ OUT_OF_BOUNDS: dict[str, tuple[dict[str, Any], str]] = {
         TINY | {"native_sheet": {"length": 9000, "width": 9000, "curvatures": [0]}},
         "GB of memory, of which",
     ),
+    "a large sheet of another outline": (
+        TINY
+        | {
+            "native_sheet": {
+                "length": 9000,
+                "width": 9000,
+                "curvatures": [0],
+                "outline": [[0, 0], [9000, 0], [9000, 9000], [0, 9000]],
+            }
+        },
+        "GB of memory, of which",
+    ),
+    "a sheet that crosses itself": (
+        SMALL | {"native_sheet": outlined([0, 0], [60, 30], [60, 0], [0, 30])},
+        "does not go around a sheet once (Self-intersection[30 15] mm)",
+    ),
+    "a sheet in parts": (
+        SMALL
+        | {
+            "native_sheet": outlined(
+                [0, 0], [60, 0], [60, 30], [40, 30], [40, 0.2], [20, 0.2], [20, 30], [0, 30]
+            )
+        },
+        "parts that no joint connects",
+    ),
+    "a sheet without an end": (
+        SMALL | {"native_sheet": outlined([0, 0], [60, 15], [0, 30])},
+        "no edge at x = 60 mm",
+    ),
+    "a sheet of another length": (
+        SMALL | {"native_sheet": outlined([0, 0], [50, 0], [50, 30], [0, 30])},
+        "give the length and width that it has",
+    ),
+    "a sheet smaller than a scale": (
+        SMALL | {"native_sheet": outlined([0, 0], [1, 0], [1, 1], [0, 1], length=1, width=1)},
+        "cuts all scales of the pattern to slivers",
+    ),
+    "a sheet of no outline": (SMALL | {"native_sheet": outlined()}, "a list of 3 to"),
+    "a pattern at no place": (
+        SMALL | {"native_sheet": {"offset": [float("nan"), 0]}},
+        "native_sheet.offset",
+    ),
+    "a pattern far away": (SMALL | {"native_sheet": {"offset": ["20 m", 0]}}, "and 10000 mm"),
     "a large disc": (
         TINY | {"native_rig": {"mandrel": {"radius": 5000}}},
         "about 7.85e+07 scales and would take about",

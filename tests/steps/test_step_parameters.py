@@ -40,9 +40,10 @@ CONTENT: dict[str, Any] = SQUARE | {
 }  # fmt: skip
 #: Whole sheets of scales, which stand on joints.
 WHOLE: dict[str, Any] = SQUARE | {
-    "native_sheet": {"curvatures": [0, 0.01]},
+    "native_sheet": {"curvatures": [0, 0.01], "offset": [1, 2],
+                     "outline": [[0, 0], [100, 0], [100, 50], [50, 40], [0, 50]]},
     "native_rig": {"mandrel": {}, "stage": {"shortenings": [1]}},
-}
+}  # fmt: skip
 #: What the steps hand their parameters to; results are made up.
 HOMOGENIZE, FINITE = "flexscale.homogenize", "flexscale.finite"
 MACRO, SHEETS = "flexscale.macro", "flexscale.sheets"

@@ -16,7 +16,7 @@ from flexscale.datasets.variables import Schema
 NATIVE_SHEET = Schema(
     "native_sheet",
     2,
-    "Rectangular sheet of whole and cut scales, bent between two end strips",
+    "Sheet of whole and cut scales, bent between two end strips",
     coordinates=strips(("curvature",), ()),
     variables=(
         *response(BENT),

@@ -1,20 +1,21 @@
-"""Step `native_sheet`: a rectangular sheet of scales, bent between end strips."""
+"""Step `native_sheet`: a sheet of scales, bent between end strips."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from flexscale.checks import place
 from flexscale.homogenize.native_model import NativeModel, require_joints
 from flexscale.patterns.pattern import Pattern
 from flexscale.sides import SIDES
-from flexscale.steps.blocks import Curvatures, Direction, Sides, Size, increasing
+from flexscale.steps.blocks import Curvatures, Direction, Point, Sides, Size, increasing
 from flexscale.steps.folds import require_open
 from flexscale.steps.native_inputs import native_of
-from flexscale.steps.quantities import declared
+from flexscale.steps.quantities import declared, within
 from flexscale.steps.step import BENT, Figure, Resources, Step, StepBlock, Task
 
 if TYPE_CHECKING:
@@ -54,9 +55,17 @@ class StripsBlock(StepBlock):
 
 
 class NativeSheetBlock(StripsBlock):
-    """A rectangular sheet of scales bent between end strips."""
+    """A sheet of scales bent between end strips."""
 
     takes: ClassVar[tuple[str, ...]] = ("cell",)
+    silent: ClassVar[tuple[str, ...]] = ("offset", "outline")
+
+    offset: Annotated[Point, within(place, "offset")] = declared(
+        (0.0, 0.0), "point of the pattern that lies in the middle of its length and width"
+    )
+    outline: tuple[Point, ...] | None = declared(
+        None, "corners, if it is no rectangle; it fills length and width, with edges at both ends"
+    )
 
     def refuse_in(self, experiment: Experiment) -> None:
         """Native models that have no whole sheets."""
@@ -66,7 +75,8 @@ class NativeSheetBlock(StripsBlock):
         """More scales than memory holds, or a sheet that cannot be cut from the pattern."""
         from flexscale.finite.native_sheet import require_sheet
 
-        require_sheet(pattern, self.length, self.width, self.direction)
+        size = (self.length, self.width, self.direction, self.offset, self.outline)
+        require_sheet(pattern, *size)
 
 
 def compute(
@@ -83,6 +93,8 @@ def compute(
         curvatures=block.curvatures,
         direction=block.direction,
         side=block.sides,
+        offset=block.offset,
+        outline=block.outline,
         model=native_of(task, inputs),
         checkpoint=resources.checkpoint,
         on_sample=resources.on_sample,

@@ -94,6 +94,7 @@ ALL = (
     Page("joint_section"),
     Page("joint_laws"),
     Page("joint_cells"),
+    Page("free_ends"),
     Page("joint_sheets"),
     Page("half_turn"),
     Page("hinged_strip"),

@@ -26,13 +26,14 @@ class StoppedError(Exception):
 @contextmanager
 def stopped_before_meshing() -> Iterator[None]:
     """Sweeps and tangents end where their checks are done and meshing begins, whole sheets of
-    scales where their pattern is laid."""
+    scales where their pattern is laid, tensor sweeps where joints are."""
 
     def stop(*_: Any, **__: Any) -> Any:
         raise StoppedError
 
     places = (
         "flexscale.mesh.torus.build_tile_mesh",
+        "flexscale.homogenize.joint_cell.find_joints",
         "flexscale.finite.native_sheet.lay_pattern",
         "flexscale.finite.native_stage.lay_pattern",
         "flexscale.finite.native_disc.lay_pattern",
@@ -140,6 +141,10 @@ def _native() -> list[Call]:
         Call("sweep", fs.sweep,
              bends | options | rest
              | {"sides": both, "directions": [0.0, 45.0], "symmetry": True, "workers": 1}, 6),
+        Call("tensor_sweep", fs.tensor_sweep,
+             bends | joints | rest
+             | {"directions": [0.0, 45.0], "shapes": [-45.0, 0.0], "in_plane": "free",
+                "symmetry": True, "workers": 1}, 3),
         Call("tangent_stiffness", fs.tangent_stiffness,
              options | {"pattern": pattern}, 2),
         Call("simulate_native_sheet", fs.simulate_native_sheet,

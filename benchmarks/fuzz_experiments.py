@@ -57,6 +57,8 @@ FULL: tuple[dict[str, Any], ...] = (
     _COMMON | {
         "native": "joints",
         "joint": {"groove": True},
+        "tensor_sweep": {"directions": [0, 45], "shapes": [-45, 0], "curvatures": [0, 0.01],
+                         "in_plane": "held", "symmetry": True},
         "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01], "offset": [1, 2],
                          "outline": [[0, 0], [60, 0], [60, 30], [30, 25], [0, 30]]},
         "native_rig": {"sides": ["closing"], "stage": {"length": 60, "shortenings": [1]},

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from flexscale.homogenize.native_model import NativeModel
     from flexscale.homogenize.sweep import sweep
     from flexscale.homogenize.tangent import tangent_stiffness
+    from flexscale.homogenize.tensor_sweep import tensor_sweep
     from flexscale.joints.library import joint_law
     from flexscale.macro.fit import fit
     from flexscale.macro.gap_model import GapModel, gap_model
@@ -88,6 +89,7 @@ __all__ = [
     "sweep",
     "synthesize_scales",
     "tangent_stiffness",
+    "tensor_sweep",
 ]
 
 #: Public name -> module that holds it; a module itself where the two are the same thing.
@@ -131,6 +133,7 @@ PUBLIC_HOMES = {
     "sweep": "flexscale.homogenize.sweep",
     "synthesize_scales": "flexscale.synthesis.scaled_sheet",
     "tangent_stiffness": "flexscale.homogenize.tangent",
+    "tensor_sweep": "flexscale.homogenize.tensor_sweep",
 }
 
 

@@ -82,7 +82,7 @@ class Progress:
             # A sweep solves one more, to check symmetry, than the plan counts.
             self.samples[job_id] = min(event["done"], self.plan[job_id].n_samples)
             self.n_failed[job_id] = event["n_failed"]
-            self.where = f"{event['side']} {_place(event)}"
+            self.where = _place(event)
         elif kind in ("end", "error"):
             self.working.pop(job_id, None)
             self.jobs_left -= 1
@@ -119,6 +119,10 @@ class Progress:
 
 def _place(event: dict[str, Any]) -> str:
     """Which of a job's samples is finished: of a line of bends, or on a device."""
-    if "curvature" in event:
-        return f"{event['direction']:g}°, {event['curvature']:g} mm-1"
-    return f"{event['device']}, {event['place']:g} {event['unit']}"
+    if "shape" in event:
+        place = f"{event['direction']:g}°, shape {event['shape']:g}°, {event['curvature']:g} mm-1"
+    elif "curvature" in event:
+        place = f"{event['side']} {event['direction']:g}°, {event['curvature']:g} mm-1"
+    else:
+        place = f"{event['side']} {event['device']}, {event['place']:g} {event['unit']}"
+    return place

@@ -14,6 +14,7 @@ from flexscale.datasets.kinds import (
     sheet,
     sweep,
     tangent,
+    tensor_sweep,
     turned_sheet,
 )
 from flexscale.datasets.variables import Schema
@@ -25,6 +26,7 @@ SCHEMAS: dict[str, Schema] = {
         cell.CELL,
         sweep.SWEEP,
         tangent.TANGENT,
+        tensor_sweep.TENSOR_SWEEP,
         shape.SHAPE,
         fit.FIT,
         gap_model.GAP_MODEL,

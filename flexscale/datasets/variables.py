@@ -22,6 +22,11 @@ WEIGHTINGS: tuple[Weighting, ...] = ("relative", "absolute")
 ASSESSMENTS = ("law", "model", "held_out_curvature", "held_out_direction")
 STATISTICS = ("median", "percentile_95", "worst")
 
+#: Shapes [degree] of curvature tensors that are domes: the ends of their range.
+OPENING_DOME, CLOSING_DOME = -135.0, 45.0
+#: What becomes of a bent lattice in its plane: it stretches as it likes, or not at all.
+IN_PLANE = ("free", "held")
+
 #: Attributes of every status: its values and what they mean.
 STATUS_ATTRS: dict[str, Any] = {
     "flag_values": [int(status) for status in SolveStatus],

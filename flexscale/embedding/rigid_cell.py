@@ -179,6 +179,7 @@ class RigidCell:
     active : (n_active,) unknowns that are sought, increasing. If not given, the scales float: all
         but the in-plane motion of the first one, which is the whole cell's.
     still : whether neither curvature nor S change, as on a sheet that lies in the world.
+    stretches : whether S of a cell that floats is sought; else it is held at 0.
 
     Attributes
     ----------
@@ -191,14 +192,19 @@ class RigidCell:
     """
 
     def __init__(
-        self, scales: RigidScales, active: IntArray | None = None, still: bool = False
+        self,
+        scales: RigidScales,
+        active: IntArray | None = None,
+        still: bool = False,
+        stretches: bool = True,
     ) -> None:
         self.scales = scales
         n = scales.n_scales
         self.n_unknowns = 6 * n + 3
         self.rest = np.zeros(self.n_unknowns)
         self.floats = active is None
-        self.active = np.arange(2, self.n_unknowns) if active is None else active
+        sought = self.n_unknowns - (0 if stretches else 3)
+        self.active = np.arange(2, sought) if active is None else active
         self.mean_offset, self.shift_mode = np.zeros(self.n_unknowns), np.zeros(self.n_unknowns)
         if self.floats:
             self.mean_offset[2 : 6 * n : 6] = scales.shares

@@ -19,7 +19,8 @@ from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
 from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_model import NativeModel, native_model, require_joints
-from flexscale.homogenize.sweep import SampleEvent, run_lines
+from flexscale.homogenize.run_lines import run_in_turn
+from flexscale.homogenize.sweep import SampleEvent, telling
 from flexscale.patterns import Pattern
 from flexscale.patterns.sheet_outline import sheet_outline
 from flexscale.sides import one_side_or_some
@@ -97,8 +98,8 @@ def simulate_native_sheet(
     kappa = tuple(curvatures)
     # The pattern is turned on the sheet, which always bends along its length.
     lines = [Line(side, 0.0, kappa) for side in sides]
-    found = run_lines(sheet, lines, native.solver, checkpoint, on_sample)
-    samples = [found[side, 0.0] for side in sides]
+    found = run_in_turn(sheet, lines, native.solver, checkpoint, telling(on_sample))
+    samples = [found[line] for line in lines]
 
     def table(name: str, missing: float) -> np.ndarray:
         return np.array([[s.get(name, missing) for s in row] for row in samples])

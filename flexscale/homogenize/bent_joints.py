@@ -13,6 +13,7 @@ from flexscale.embedding.pair_kernels import LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
 from flexscale.homogenize.keep_many_apart import keep_many_apart
 from flexscale.mechanics.energy import ALL, NOTHING
+from flexscale.mechanics.prism_crossings import any_crossing
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
@@ -105,6 +106,11 @@ class BentJoints:
         """A state near a wanted one to which no scales meet on the way from `state`."""
         return keep_many_apart(self.problem, state.world.y, wanted, self.bend)
 
+    def crosses(self, state: JointState) -> bool:
+        """Whether scales are in one another."""
+        contact = self.problem.contact
+        return contact is not None and any_crossing(state.world.y, contact.rows.table)
+
     def tensor_moments(self, state: JointState) -> FloatArray:
         """(3,) (1/A) dE/dk by k_xx, k_yy and 2 k_xy at fixed z [N]; see `moment`."""
         k = self.bend.base + self.bend.curvature * self.bend.tensor
@@ -117,6 +123,12 @@ class BentJoints:
             )
             moments[i] = gradient[-1] / self.problem.area
         return moments
+
+    def membrane_forces(self, state: JointState) -> FloatArray:
+        """(3,) N mm-1, xx, yy, xy: (1/A) dE/dF of the stretch F = I + S of the lattice at fixed
+        curvature; 0 where S is free."""
+        forces: FloatArray = state.forces[-3:] / self.problem.area
+        return forces * [1.0, 1.0, 0.5]  # S_xy stands for both off-diagonals
 
     def steady(self, state: JointState) -> bool:
         """Always: `keep_apart` makes its own matrices."""

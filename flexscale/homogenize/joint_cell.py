@@ -60,20 +60,29 @@ class JointCell(JointProblem):
     pattern : the scale pattern.
     laws : of its joints, of the narrowest gap first; one if there is one gap.
     native : contact and linear solver.
+    stretches : whether the lattice stretches as it likes; else it is held, and so are in-plane
+        strains on average.
     """
 
     def __init__(
-        self, pattern: Pattern, laws: JointLaw | Sequence[JointLaw], native: NativeModel
+        self,
+        pattern: Pattern,
+        laws: JointLaw | Sequence[JointLaw],
+        native: NativeModel,
+        stretches: bool = True,
     ) -> None:
-        self.pattern = pattern
+        self.pattern, self.stretches = pattern, stretches
         joints = find_joints(pattern)
         scales = find_rigid_scales(pattern, joints, native.contact.enabled)
         stations = place_stations(joints, scales, joint_gaps(pattern))
+        embedding = RigidCell(scales, stretches=stretches)
         gaps = (pattern.gap, max(pattern.gaps))
-        super().__init__(RigidCell(scales), stations, laws, native, gaps, pattern.cell_area)
+        super().__init__(embedding, stations, laws, native, gaps, pattern.cell_area)
 
     @classmethod
-    def from_pattern(cls, pattern: Pattern, native: NativeModel) -> JointCell:
+    def from_pattern(
+        cls, pattern: Pattern, native: NativeModel, stretches: bool = True
+    ) -> JointCell:
         """The cell of a pattern on the joints that its gap, sheet and materials make.
 
         Raises
@@ -81,7 +90,7 @@ class JointCell(JointProblem):
         PatternError : joints cannot be computed, do not hold the scales together, or are those of
             another sheet.
         """
-        cell = cls(pattern, laws_of(pattern, native), native)
+        cell = cls(pattern, laws_of(pattern, native), native, stretches)
         rest = cell.bent(Bend(0.0, 0.0))
         if cell.system.factorize(rest.hessian_values(rest.evaluate(cell.embedding.rest))) > 0:
             raise PatternError(
@@ -100,7 +109,7 @@ class JointCell(JointProblem):
     @property
     def parts(self) -> tuple[type[JointCell], tuple[Any, ...]]:
         """What makes it again in another process."""
-        return JointCell, (self.pattern, self.laws, self.native)
+        return JointCell, (self.pattern, self.laws, self.native, self.stretches)
 
     def flat_bends(self) -> FlatBends:
         """Answers of the flat cell to small bends; its system is left factorized at rest."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.embedding.curvature_map import Bend
+from flexscale.homogenize.bend_line import BendLine
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.problem import Bendable, Bent
 from flexscale.homogenize.sample import Sample
@@ -51,9 +52,27 @@ class Line:
         """Name of the line in a checkpoint."""
         return f"{self.side}-{self.direction!r}"
 
+    @property
+    def sign(self) -> float:
+        """Of the curvature: closing is positive."""
+        return SIDE_SIGNS[self.side]
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """Nothing beyond what samples of all lines have."""
+        return ()
+
     def bend(self, curvature: float) -> Bend:
         """The bend of a sample of this line."""
-        return Bend(SIDE_SIGNS[self.side] * curvature, float(np.radians(self.direction)))
+        return Bend(self.sign * curvature, float(np.radians(self.direction)))
+
+    def accepts(self, cell: Any, state: Any) -> bool:
+        """What is found, is one."""
+        return True
+
+    def measure(self, cell: Any, state: Any) -> dict[str, float]:
+        """Nothing, likewise."""
+        return {}
 
 
 @dataclass
@@ -102,7 +121,7 @@ def _point_of(sample: Sample) -> _Point:
 
 def follow_line(
     problem: Bendable,
-    line: Line,
+    line: BendLine,
     options: SolverOptions,
     finished: Sequence[Sample] = (),
 ) -> Iterator[Sample]:
@@ -147,6 +166,9 @@ def follow_line(
                 if solution.status != SolveStatus.converged:
                     break
         status = solution.status
+        cell = problem.bent(line.bend(curvature))
+        if status == SolveStatus.converged and not line.accepts(cell, solution.evaluation):
+            status = SolveStatus.infeasible_start
         sample = {
             "curvature": curvature,
             "status": int(status),
@@ -178,7 +200,7 @@ class _Bending:
     """A line as a path of the continuation, whose parameter is the curvature."""
 
     problem: Bendable
-    line: Line
+    line: BendLine
 
     def objective(self, curvature: float) -> Bent:
         return self.problem.bent(self.line.bend(curvature))
@@ -193,9 +215,9 @@ class _Bending:
         return _next_point(self.problem, self.line, before, curvature, solution)
 
 
-def load_line(problem: Bendable, line: Line, checkpoint: Checkpoint | None) -> list[Sample]:
+def load_line(problem: Bendable, line: BendLine, checkpoint: Checkpoint | None) -> list[Sample]:
     """Finished samples of a line from which `follow_line` can go on."""
-    needed = {"energy_density", "moment"}
+    needed = {"energy_density", "moment", *line.measured}
     if problem.contact is not None:
         needed |= {"min_gap", "barrier_stiffness"}
     axis, size = ("curvature", line.curvatures), len(problem.embedding.rest)
@@ -221,7 +243,7 @@ def _set_stiffness(problem: Bendable, stiffness: float) -> None:
         problem.contact.stiffness = stiffness
 
 
-def _start(problem: Bendable, line: Line) -> tuple[_Point, Solution]:
+def _start(problem: Bendable, line: BendLine) -> tuple[_Point, Solution]:
     """The flat state: an equilibrium by construction, so one factorization gives all there is."""
     cell = problem.bent(line.bend(0.0))
     state = cell.evaluate(problem.embedding.rest)
@@ -233,7 +255,7 @@ def _start(problem: Bendable, line: Line) -> tuple[_Point, Solution]:
 
 
 def _next_point(
-    problem: Bendable, line: Line, before: _Point | None, curvature: float, solution: Solution
+    problem: Bendable, line: BendLine, before: _Point | None, curvature: float, solution: Solution
 ) -> _Point:
     rate = _rate(problem, line, curvature, solution)
     second = np.zeros_like(rate)
@@ -244,33 +266,33 @@ def _next_point(
 
 
 def _energy_and_moment(
-    problem: Bendable, line: Line, curvature: float, solution: Solution
+    problem: Bendable, line: BendLine, curvature: float, solution: Solution
 ) -> tuple[float, float]:
     """Energy density, and its derivative by the magnitude of the curvature."""
     cell = problem.bent(line.bend(curvature))
-    moment = SIDE_SIGNS[line.side] * cell.moment(solution.evaluation)
+    moment = line.sign * cell.moment(solution.evaluation)
     return solution.evaluation.energy / problem.area, moment
 
 
 def _solve(
-    problem: Bendable, line: Line, curvature: float, z: FloatArray, options: SolverOptions
+    problem: Bendable, line: BendLine, curvature: float, z: FloatArray, options: SolverOptions
 ) -> Solution:
     return solve_equilibrium(problem.bent(line.bend(curvature)), z, options)
 
 
-def _rate(problem: Bendable, line: Line, curvature: float, solution: Solution) -> FloatArray:
+def _rate(problem: Bendable, line: BendLine, curvature: float, solution: Solution) -> FloatArray:
     """dz/d|kappa| along the branch: one back-substitution."""
     cell = problem.bent(line.bend(curvature))
     if solution.negative_eigenvalues > 0:  # the last factorization was not of the true Hessian
         problem.system.factorize(cell.hessian_values(solution.evaluation))
     step, _ = problem.system.solve(-cell.gradient_rate(solution.evaluation))
     rate = np.zeros_like(solution.z)
-    rate[problem.active] = SIDE_SIGNS[line.side] * step
+    rate[problem.active] = line.sign * step
     return rate
 
 
 def _bend_back(
-    problem: Bendable, line: Line, point: _Point, curvature: float, options: SolverOptions
+    problem: Bendable, line: BendLine, point: _Point, curvature: float, options: SolverOptions
 ) -> Sample:
     """Energy density and moment at a smaller curvature, met from `point`; none if not reached."""
     predicted = _predict(problem, line, point, curvature)
@@ -282,7 +304,7 @@ def _bend_back(
     return {"energy_density_returning": energy, "moment_returning": moment}
 
 
-def _predict(problem: Bendable, line: Line, point: _Point, target: float) -> FloatArray | None:
+def _predict(problem: Bendable, line: BendLine, point: _Point, target: float) -> FloatArray | None:
     """The better start at `target` of those along dz/dkappa and along its parabola.
 
     Where scales would meet on the straight way to both, or both have so much energy that Newton may
@@ -305,7 +327,7 @@ def _predict(problem: Bendable, line: Line, point: _Point, target: float) -> Flo
 
 
 def _keep_apart(
-    problem: Bendable, line: Line, point: _Point, target: float, wanted: FloatArray
+    problem: Bendable, line: BendLine, point: _Point, target: float, wanted: FloatArray
 ) -> FloatArray | None:
     """As `keep_apart`, from a point on the line."""
     if problem.contact is None:
@@ -317,7 +339,7 @@ def _keep_apart(
     return problem.bent(line.bend(target)).keep_apart(state, wanted)
 
 
-def _is_free(problem: Bendable, line: Line, point: _Point, state: Any) -> bool:
+def _is_free(problem: Bendable, line: BendLine, point: _Point, state: Any) -> bool:
     """Whether no scales meet on the straight way in the world from a point to a state."""
     if problem.contact is None:
         return True
@@ -325,7 +347,7 @@ def _is_free(problem: Bendable, line: Line, point: _Point, state: Any) -> bool:
     return problem.contact.free_share(start, state.world.y) >= 1.0
 
 
-def _measure(problem: Bendable, line: Line, curvature: float, solution: Solution) -> Sample:
+def _measure(problem: Bendable, line: BendLine, curvature: float, solution: Solution) -> Sample:
     """The numbers of a sample; the moment is the derivative by the magnitude of the curvature."""
     state = solution.evaluation
     energy_density, moment = _energy_and_moment(problem, line, curvature, solution)
@@ -347,4 +369,5 @@ def _measure(problem: Bendable, line: Line, curvature: float, solution: Solution
         numbers["barrier_stiffness"] = problem.contact.stiffness
     named = zip(problem.part_names, state.parts, strict=True)
     parts = {f"energy_density_{name}": float(part) / problem.area for name, part in named}
-    return cast(Sample, {**numbers, **problem.facts_of(state), **parts})
+    own = line.measure(problem.bent(line.bend(curvature)), state)
+    return cast(Sample, {**numbers, **problem.facts_of(state), **own, **parts})

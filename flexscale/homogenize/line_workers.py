@@ -16,8 +16,8 @@ from multiprocessing.connection import Connection
 from threading import Lock, Thread
 from typing import Any, cast
 
+from flexscale.homogenize.bend_line import AnyLine, BendLine
 from flexscale.homogenize.checkpoint import STATE, Checkpoint
-from flexscale.homogenize.line import Line
 from flexscale.homogenize.line_worker import DONE, FAILED
 from flexscale.homogenize.sample import Sample
 from flexscale.processes import ProcessEndedError, child_environment, describe_end, python_command
@@ -42,7 +42,7 @@ class LineWorkers:
         self,
         problem: tuple[Any, ...],
         solver: SolverOptions,
-        finished: Callable[[Line], list[Sample]],
+        finished: Callable[[BendLine], list[Sample]],
         checkpoint: Checkpoint | None,
     ) -> None:
         self.problem = problem
@@ -50,14 +50,14 @@ class LineWorkers:
         self.finished = finished
         self.checkpoint = checkpoint
         self.lock = Lock()  # of the checkpoint and the list of workers
-        self.todo: queue.SimpleQueue[Line] = queue.SimpleQueue()
-        self.results: queue.SimpleQueue[tuple[Line, Sample] | BaseException | None]
+        self.todo: queue.SimpleQueue[BendLine] = queue.SimpleQueue()
+        self.results: queue.SimpleQueue[tuple[BendLine, Sample] | BaseException | None]
         self.results = queue.SimpleQueue()
         self.workers: list[_Worker] = []
         self.threads: list[Thread] = []
         self.closed = False
 
-    def run(self, lines: Sequence[Line], workers: int) -> Iterator[tuple[Line, Sample]]:
+    def run(self, lines: Sequence[AnyLine], workers: int) -> Iterator[tuple[AnyLine, Sample]]:
         """Samples as they finish, each line's in their order, without the states they end in.
 
         Raises
@@ -77,7 +77,7 @@ class LineWorkers:
             if result is None:
                 working -= 1
                 continue
-            line, sample = result
+            line, sample = cast(tuple[AnyLine, Sample], result)
             kept = {name: value for name, value in sample.items() if name not in STATE}
             yield line, cast(Sample, kept)
 
@@ -125,11 +125,11 @@ class LineWorkers:
         worker.send(self.problem)
         return worker
 
-    def _finished(self, line: Line) -> list[Sample]:
+    def _finished(self, line: BendLine) -> list[Sample]:
         with self.lock:
             return self.finished(line)
 
-    def _keep(self, line: Line, sample: Sample) -> None:
+    def _keep(self, line: BendLine, sample: Sample) -> None:
         if self.checkpoint is not None:
             with self.lock:
                 self.checkpoint.append(line.key, sample)
@@ -156,7 +156,9 @@ class _Worker:
         except OSError as error:
             raise self._ended() from error
 
-    def follow(self, line: Line, solver: SolverOptions, finished: list[Sample]) -> Iterator[Sample]:
+    def follow(
+        self, line: BendLine, solver: SolverOptions, finished: list[Sample]
+    ) -> Iterator[Sample]:
         """Samples of a line behind the finished ones, as the worker solves them."""
         self.send((line, solver, finished))
         while True:

@@ -164,8 +164,12 @@ def native_model(value: Any, label: str = "model") -> NativeModel:
     )
 
 
-def require_joints(model: NativeModel) -> None:
-    """Refuse native models that whole sheets do not have, before anything is built.
+def require_joints(model: NativeModel, what: str = "Native sheets, stages and discs") -> None:
+    """Refuse native models that something is not computed of, before anything is built.
+
+    Parameters
+    ----------
+    what : for the message, several things.
 
     Raises
     ------
@@ -173,6 +177,6 @@ def require_joints(model: NativeModel) -> None:
     """
     if model.name != "joints":
         raise ConfigError(
-            f"Native sheets, stages and discs are of scales on joints, not of the native model "
+            f"{what} are of scales on joints, not of the native model "
             f'{model.name!r}: say native: joints (model="joints" in Python).'
         )

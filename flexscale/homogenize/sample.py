@@ -25,6 +25,12 @@ class Sample(TypedDict, total=False):
     energy_density_joints: float
     energy_density_contact: float
     moment: float  # N, derivative of the energy density by the magnitude of the curvature
+    moment_xx: float  # N, derivatives by k_xx, k_yy and 2 k_xy, along rays of tensors
+    moment_yy: float
+    moment_xy: float
+    membrane_force_xx: float  # N mm-1, of a lattice that is held; likewise
+    membrane_force_yy: float
+    membrane_force_xy: float
     stretch: FloatArray  # (3,) F of the lattice: xx, yy, xy
     residual_norm: float  # N
     mean_offset: float  # mm

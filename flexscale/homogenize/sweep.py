@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
 from flexscale import checks
@@ -16,10 +14,9 @@ from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.errors_at_rest import note_errors
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import Line, follow_line, load_line
-from flexscale.homogenize.line_workers import LineWorkers
+from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_model import NativeModel, native_model
-from flexscale.homogenize.problem import Bendable, Problem
+from flexscale.homogenize.run_lines import Counts, Teller, run_in_processes
 from flexscale.homogenize.sample import Sample
 from flexscale.homogenize.sweep_dataset import build_dataset_of
 from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error
@@ -27,7 +24,6 @@ from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.load_series import require_bends
 from flexscale.patterns import Pattern
 from flexscale.sides import SOME_SIDES
-from flexscale.solve.solver_options import SolverOptions
 from flexscale.status import SolveStatus
 
 if TYPE_CHECKING:
@@ -121,13 +117,11 @@ def sweep(
     problem = build_problem(pattern, native)
     # Each process holds a cell of its own, and a solid one takes gigabytes.
     most = 1 if native.name == "solid" else os.cpu_count() or 1
-    workers = min(workers or most, len(lines))
     tangent = solve_tangent(problem)  # this compiles and caches kernels before processes start
-    if workers > 1:
-        results = _in_processes(problem, lines, native.solver, checkpoint, workers)
-    else:
-        results = _in_turn(problem, lines, native.solver, checkpoint)
-    samples = _collect(results, lines, on_sample)
+    found = run_in_processes(
+        problem, lines, native.solver, checkpoint, telling(on_sample), workers=workers or most
+    )
+    samples = {(line.side, line.direction): ended for line, ended in found.items()}
     options = native.to_config() | problem.facts | {"symmetry": symmetry}
     axes = (sides, directions, kappa)
     dataset = build_dataset_of(
@@ -143,15 +137,19 @@ def sweep(
     return dataset
 
 
-def run_lines(
-    problem: Bendable,
-    lines: Sequence[Line],
-    solver: SolverOptions,
-    checkpoint: Checkpoint | None = None,
-    on_sample: Callable[[SampleEvent], None] | None = None,
-) -> dict[tuple[str, float], list[Sample]]:
-    """Samples of lines by side and direction, one line after the other in this process."""
-    return _collect(_in_turn(problem, lines, solver, checkpoint), lines, on_sample)
+def telling(on_sample: Callable[[SampleEvent], None] | None) -> Teller[Line] | None:
+    """What tells a caller of samples."""
+    if on_sample is None:
+        return None
+
+    def tell(line: Line, sample: Sample, counts: Counts) -> None:
+        done, total, failed, seconds = counts
+        curvature, status = sample["curvature"], SolveStatus(sample["status"])
+        on_sample(
+            SampleEvent(done, total, failed, line.side, line.direction, curvature, status, seconds)
+        )
+
+    return tell
 
 
 def check_sweep(
@@ -168,6 +166,19 @@ def check_sweep(
     UnitRangeError : a direction outside [0, 180) degree or given twice, a curvature that is
         negative or out of order, or a curvature at which the cylinder folds through the scales.
     """
+    check_directions(directions)
+    require_bends(curvatures)
+    if "closing" in sides:
+        check_folds(pattern, curvatures[-1])
+
+
+def check_directions(directions: Sequence[float]) -> None:
+    """Refuse directions [degree] outside [0, 180), and one that is given twice.
+
+    Raises
+    ------
+    UnitRangeError : there is one.
+    """
     for direction in directions:
         if not 0.0 <= direction < 180.0:
             raise UnitRangeError(
@@ -176,75 +187,18 @@ def check_sweep(
             )
     if len(set(directions)) != len(directions):
         raise UnitRangeError("directions must be distinct: give each once.")
-    require_bends(curvatures)
-    largest = curvatures[-1]
-    if "closing" in sides and largest * pattern.scale_height >= 1.0:
+
+
+def check_folds(pattern: Pattern, curvature: float) -> None:
+    """Refuse a closing curvature [mm-1] at which the sheet folds through its scales.
+
+    Raises
+    ------
+    UnitRangeError : it does.
+    """
+    if curvature * pattern.scale_height >= 1.0:
         raise UnitRangeError(
-            f"At a closing curvature of {largest:g} mm-1 the bending center lies inside the "
+            f"At a closing curvature of {curvature:g} mm-1 the bending center lies inside the "
             f"scales, which are {pattern.scale_height:g} mm high: stay below "
             f"{1.0 / pattern.scale_height:g} mm-1."
         )
-
-
-def _run_line(
-    problem: Bendable, line: Line, solver: SolverOptions, checkpoint: Checkpoint | None
-) -> Iterator[Sample]:
-    finished = load_line(problem, line, checkpoint)
-    yield from finished
-    for sample in follow_line(problem, line, solver, finished):
-        if checkpoint:
-            checkpoint.append(line.key, sample)
-        yield sample
-
-
-def _in_turn(
-    problem: Bendable,
-    lines: Sequence[Line],
-    solver: SolverOptions,
-    checkpoint: Checkpoint | None,
-) -> Iterator[tuple[Line, Sample]]:
-    for line in lines:
-        for sample in _run_line(problem, line, solver, checkpoint):
-            yield line, sample
-
-
-def _in_processes(
-    problem: Problem,
-    lines: Sequence[Line],
-    solver: SolverOptions,
-    checkpoint: Checkpoint | None,
-    workers: int,
-) -> Iterator[tuple[Line, Sample]]:
-    finished = partial(load_line, problem, checkpoint=checkpoint)
-    with LineWorkers(problem.parts, solver, finished, checkpoint) as pool:
-        yield from pool.run(lines, workers)
-
-
-def _collect(
-    results: Iterator[tuple[Line, Sample]],
-    lines: Sequence[Line],
-    on_sample: Callable[[SampleEvent], None] | None,
-) -> dict[tuple[str, float], list[Sample]]:
-    start = time.perf_counter()
-    total = sum(len(line.curvatures) for line in lines)
-    failed = 0
-    samples: dict[tuple[str, float], list[Sample]] = {}
-    for done, (line, sample) in enumerate(results, start=1):
-        samples.setdefault((line.side, line.direction), []).append(sample)
-        status = SolveStatus(sample["status"])
-        failed += status != SolveStatus.converged
-        if on_sample:
-            seconds = time.perf_counter() - start
-            on_sample(
-                SampleEvent(
-                    done,
-                    total,
-                    failed,
-                    line.side,
-                    line.direction,
-                    sample["curvature"],
-                    status,
-                    seconds,
-                )
-            )
-    return samples

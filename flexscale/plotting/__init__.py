@@ -12,6 +12,7 @@ from flexscale.plotting.scaled_sheet import scaled_sheet
 from flexscale.plotting.scene import cell
 from flexscale.plotting.sheets import sheet
 from flexscale.plotting.style import flexscale_style
+from flexscale.plotting.tensor_sweeps import tensor_sweep
 from flexscale.plotting.turned_sheets import turned_sheet
 
 __all__ = [
@@ -28,5 +29,6 @@ __all__ = [
     "scaled_sheet",
     "sheet",
     "stiffness",
+    "tensor_sweep",
     "turned_sheet",
 ]

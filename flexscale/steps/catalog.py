@@ -17,6 +17,7 @@ from flexscale.steps.kinds import (
     sheet,
     sweep,
     tangent,
+    tensor_sweep,
     turned_sheet,
 )
 from flexscale.steps.step import Figure, Step
@@ -29,6 +30,7 @@ STEPS: dict[str, Step] = {
         joint.JOINT,
         tangent.TANGENT,
         sweep.SWEEP,
+        tensor_sweep.TENSOR_SWEEP,
         shape.SHAPE,
         fit.FIT,
         gap_model.GAP_MODEL,

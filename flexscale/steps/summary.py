@@ -45,7 +45,8 @@ def _is_copied(dataset: xr.Dataset, sample: xr.DataArray) -> bool:
     """Whether symmetry filled the sample in."""
     if "symmetry_source" not in dataset:
         return False
-    source = dataset["symmetry_source"].sel(side=sample["side"], direction=sample["direction"])
+    source = dataset["symmetry_source"]
+    source = source.sel({dim: sample[dim] for dim in source.dims})
     return bool(source != sample["direction"])
 
 
@@ -101,7 +102,7 @@ def _describe(block: type[BaseModel], prefix: str) -> str:
 
 def _line(place: str, unit: str, default: str, bounds: str, meaning: str) -> str:
     unit = "" if unit == "1" else unit
-    return f"{place:<47} {unit:<7} {default:<20} {bounds:<22} {meaning}\n"
+    return f"{place:<47} {unit:<7} {default:<22} {bounds:<22} {meaning}\n"
 
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}

@@ -87,8 +87,8 @@ def _cpu_seconds() -> float:
 
 
 _FACTS = (
-    "done", "total", "n_failed", "seconds", "side", "direction", "curvature", "device", "place",
-    "unit",
+    "done", "total", "n_failed", "seconds", "side", "direction", "shape", "curvature", "device",
+    "place", "unit",
 )  # fmt: skip
 
 

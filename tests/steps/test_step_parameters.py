@@ -38,8 +38,9 @@ CONTENT: dict[str, Any] = SQUARE | {
     "turned_sheet": {"directions": [0, 45]},
     "rig": {"mandrel": {}, "stage": {}},
 }  # fmt: skip
-#: Whole sheets of scales, which stand on joints.
+#: Tensor sweeps and whole sheets of scales, which stand on joints.
 WHOLE: dict[str, Any] = SQUARE | {
+    "tensor_sweep": {"shapes": [-45, 0], "curvatures": [0, 0.01]},
     "native_sheet": {"curvatures": [0, 0.01], "offset": [1, 2],
                      "outline": [[0, 0], [100, 0], [100, 50], [50, 40], [0, 50]]},
     "native_rig": {"mandrel": {}, "stage": {"shortenings": [1]}},
@@ -55,6 +56,7 @@ CALLED = {
                 f"{HOMOGENIZE}.errors_at_rest.note_errors",
                 "flexscale.datasets.kinds.tangent.build_tangent_dataset"),
     "sweep": (f"{HOMOGENIZE}.sweep.sweep",),
+    "tensor_sweep": (f"{HOMOGENIZE}.tensor_sweep.tensor_sweep",),
     "shape": (f"{HOMOGENIZE}.shape.solve_shapes",),
     "fit": (f"{MACRO}.fit.fit", "flexscale.steps.kinds.fit.dataclasses.replace"),
     "gap_model": (f"{MACRO}.gap_model.gap_model",),

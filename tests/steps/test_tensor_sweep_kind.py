@@ -195,7 +195,7 @@ def test_its_figure_tells_what_is_missing(dataset: xr.Dataset) -> None:
     said = " ".join(text.get_text() for text in figure.texts)
     assert "no contact met up to 0.02" in str([figure._supxlabel.get_text(), said])
     assert "saddle\n-45°" in [label.get_text() for label in left.get_yticklabels()]
-    with pytest.raises(BadInputError, match="no sample at curvature 0.05"):
+    with pytest.raises(BadInputError, match=r"no sample at curvature 0\.05"):
         fs.plot.tensor_sweep(dataset, 0.05)
 
 

@@ -61,6 +61,7 @@ FULL: tuple[dict[str, Any], ...] = (
                          "in_plane": "held", "symmetry": True},
         "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.01], "offset": [1, 2],
                          "outline": [[0, 0], [60, 0], [60, 30], [30, 25], [0, 30]]},
+        "native_turned_sheet": {"length": 60, "width": 30, "curvature": 0.01, "directions": [0]},
         "native_rig": {"sides": ["closing"], "stage": {"length": 60, "shortenings": [1]},
                        "mandrel": {"radius": 60, "hub": 10, "angles": [0, 90]}},
     },

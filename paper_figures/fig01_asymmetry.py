@@ -44,15 +44,12 @@ NEEDS = {
         for kind in ("sweep", "fit")
     },
 }
-NEEDS["shape"] = Need(
-    "shape",
-    "flexscale run workflows/paper_shapes.yaml",
-    {"family": PATTERNS[BENT], "pattern": BENT},
-)
+NEEDS["shape"] = Need("shape", _PRINTED, {"family": PATTERNS[BENT], "pattern": BENT}, "joints")
 CAPTION = (
-    "Scales press on each other when the sheet closes and part when it opens (top). Bending moment "
-    "of four patterns against direction, of native cells and of the macro model (bottom; after "
-    "Fig. 1 of the paper, whose upper part shows prints)."
+    "Scales on joints press on each other when the sheet closes and part when it opens (top). "
+    "Bending moment of four patterns against direction, of cells of scales on joints (native) and "
+    "of the macro model fitted to them (bottom; after Fig. 1 of the paper, whose upper part shows "
+    "prints). Patterns from above are the shell's meshes."
 )
 PAPER_SAYS = (
     "Bending-induced contact between scales leads to distinct behavior for positive and negative "

@@ -15,11 +15,12 @@ NEEDS = {
         "shape",
         "flexscale run workflows/paper_shapes.yaml",
         {"family": "IH20", "pattern": "hexagon"},
+        "shell",
     )
 }
 CAPTION = (
-    "A flat cell mapped to the world has curved scales (top); coordinates that minimize the energy "
-    "in the world give straight ones (bottom; after Fig. 3 of the paper)."
+    "A flat cell of the paper's shell mapped to the world has curved scales (top); coordinates "
+    "that minimize the energy in the world give straight ones (bottom; after Fig. 3 of the paper)."
 )
 PAPER_SAYS = (
     "A planar initial state leads to curved scales and high elastic energy in world space; "

@@ -16,9 +16,9 @@ _PATTERN = {"family": "IH20", "pattern": "hexagon"}
 
 NEEDS = {kind: Need(kind, _COMMAND, _PATTERN, "joints") for kind in ("fit", "sweep")}
 CAPTION = (
-    "Stiffness before and after contact and contact curvature against direction, with their "
-    "circular harmonics, and energy and moment in the direction of first contact (after Fig. 4 of "
-    "the paper)."
+    "The macro model fitted to scales on joints: stiffness before and after contact and contact "
+    "curvature against direction, with their circular harmonics, and energy and moment in the "
+    "direction of first contact, beside those of the cells (after Fig. 4 of the paper)."
 )
 PAPER_SAYS = (
     "Circular harmonics of a(θ), b(θ) and the contact curvature κ₀(θ) fit the parameters of single "

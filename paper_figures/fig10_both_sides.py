@@ -14,13 +14,13 @@ from flexscale.plotting.figure_scripts import Need
 _WHERE = {"family": "IH20", "pattern": "hexagon"}
 
 NEEDS = {
-    "sweep": Need("sweep", "flexscale run workflows/printed.yaml", _WHERE, "joints"),
-    "shape": Need("shape", "flexscale run workflows/paper_shapes.yaml", _WHERE),
+    kind: Need(kind, "flexscale run workflows/printed.yaml", _WHERE, "joints")
+    for kind in ("sweep", "shape")
 }
 CAPTION = (
-    "Asymmetric bending resistance: native moment against curvature, closing and opening, and the "
-    "bent cells (after Fig. 10c of the paper, whose linear stage comes from rig datasets "
-    "when there are some)."
+    "Asymmetric bending resistance of scales on joints: moment against curvature, closing and "
+    "opening, and the bent cells (after Fig. 10c of the paper; its linear stage is in datasets of "
+    "kind native_rig, of scales on joints, and rig, of macro models)."
 )
 PAPER_SAYS = (
     "Stiffness for opening curvatures is very low and stays roughly constant beyond the initial "

@@ -14,13 +14,13 @@ from flexscale.plotting.figure_scripts import Need
 _WHERE = {"family": "IH69", "pattern": "arrowhead"}
 
 NEEDS = {
-    "sweep": Need("sweep", "flexscale run workflows/printed.yaml", _WHERE, "joints"),
-    "shape": Need("shape", "flexscale run workflows/paper_shapes.yaml", _WHERE),
+    kind: Need(kind, "flexscale run workflows/printed.yaml", _WHERE, "joints")
+    for kind in ("sweep", "shape")
 }
 CAPTION = (
-    "Scales that interlock when the sheet opens: native moment against curvature in two "
-    "directions, and the bent cells (after Fig. 11c of the paper, whose linear stage comes from "
-    "rig datasets when there are some)."
+    "Scales on joints that interlock when the sheet opens: moment against curvature in two "
+    "directions, and the bent cells (after Fig. 11c of the paper; its linear stage is in datasets "
+    "of kind native_rig, of scales on joints, and rig, of macro models)."
 )
 PAPER_SAYS = (
     "Opening curvatures can likewise lead to contact and stiffening, with non-convex, interlocking "

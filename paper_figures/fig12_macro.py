@@ -40,8 +40,9 @@ NEEDS = {
     },
 }
 CAPTION = (
-    "Native-scale simulations and the macro model: bending moment against bending direction when "
-    "the scales close, for growing curvature (after Fig. 12 of the paper)."
+    "Cells of scales on joints (native) and the macro model fitted to them: bending moment against "
+    "bending direction when the scales close, for growing curvature (after Fig. 12 of the paper). "
+    "Patterns from above are the shell's meshes."
 )
 PAPER_SAYS = (
     "The macro model generally achieves good agreement. For larger curvatures the approximation is "

@@ -19,7 +19,8 @@ NEEDS = {
 }
 CAPTION = (
     "A sheet of 100 mm × 50 mm with chevrons, bent between end strips along 0°: energy density of "
-    "the scales themselves and of the macro model (after Fig. 13 of the paper)."
+    "scales on joints (native) and of the macro model fitted to their cells (after Fig. 13 of the "
+    "paper)."
 )
 PAPER_SAYS = (
     "The macro model closely tracks the energy of the native model for low curvatures and slightly "

@@ -9,20 +9,35 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from flexscale.plotting.figure_scripts import Need
-from flexscale.plotting.turned_sheets import sheet_errors, turned_sheets
+from flexscale.plotting.turned_sheets import TurnedColumn, sheet_errors, turned_sheets
 
-_COMMAND = "flexscale run workflows/turned_sheets.yaml"
+_PRINTED = "flexscale run workflows/printed_turned_sheets.yaml"
+_SHELL = "flexscale run workflows/turned_sheets.yaml"
 PATTERNS = {"chevron": "IH64", "arrowhead": "IH69", "hexagon": "IH20", "threefold": "IH07"}
 
+
+def _needs(pattern: str, family: str) -> dict[str, Need]:
+    where = {"family": family, "pattern": pattern}
+    return {
+        f"{pattern}_turned_sheet": Need("turned_sheet", _PRINTED, where, "joints"),
+        f"{pattern}_sweep": Need("sweep", _PRINTED, where, "joints"),
+        f"{pattern}_scales": Need("native_turned_sheet", _PRINTED, where, "joints", optional=True),
+        f"{pattern}_shell": Need("turned_sheet", _SHELL, where, "shell", optional=True),
+        f"{pattern}_shell_sweep": Need("sweep", _SHELL, where, "shell", optional=True),
+    }
+
+
 NEEDS = {
-    f"{pattern}_{kind}": Need(kind, _COMMAND, {"family": family, "pattern": pattern}, "shell")
+    name: need
     for pattern, family in PATTERNS.items()
-    for kind in ("turned_sheet", "sweep")
+    for name, need in _needs(pattern, family).items()
 }
 CAPTION = (
-    "Macro sheets between end strips, bent to 0.02 /mm with the pattern turned on them, against "
-    "the periodic native cell in that direction: energy density and its error, closing, by the "
-    "energy on the tangent of the flat cell and by the paper's (after Fig. 14 of the paper)."
+    "Sheets between end strips, bent to 0.02 /mm with the pattern turned on them, against the "
+    "periodic cell in that direction, closing: energy density and its error. Of scales on joints: "
+    "the cell, sheets of scales where they are computed, and macro sheets by the energy on the "
+    "tangent of the flat cell and by the paper's; thin, the paper's shell: its cell (above), and "
+    "its macro sheets over it (below; after Fig. 14 of the paper)."
 )
 PAPER_SAYS = (
     "The two simulations agree very well despite the difference in boundary conditions, at a "
@@ -33,13 +48,20 @@ SIDE = "closing"
 
 def draw(inputs: Mapping[str, xr.Dataset]) -> Figure:
     """One column a pattern; `inputs` are datasets by the names of NEEDS."""
-    return turned_sheets(
-        [(inputs[f"{name}_turned_sheet"], inputs[f"{name}_sweep"], SIDE) for name in PATTERNS]
-    )
+    return turned_sheets([_column(inputs, pattern) for pattern in PATTERNS])
+
+
+def _column(inputs: Mapping[str, xr.Dataset], pattern: str) -> TurnedColumn:
+    turned, sweep = inputs[f"{pattern}_turned_sheet"], inputs[f"{pattern}_sweep"]
+    shell = [
+        inputs[name] for name in (f"{pattern}_shell", f"{pattern}_shell_sweep") if name in inputs
+    ]
+    thin = (shell[0], shell[1]) if len(shell) == 2 else None
+    return TurnedColumn(turned, sweep, SIDE, inputs.get(f"{pattern}_scales"), thin)
 
 
 def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
-    """Errors of sheets, and of the model without free sides, over all directions."""
+    """Errors of sheets of joints, and of the model without free sides, over all directions."""
     errors, laws = {}, {}
     for name in PATTERNS:
         turned, sweep = inputs[f"{name}_turned_sheet"], inputs[f"{name}_sweep"]
@@ -62,7 +84,24 @@ def findings(inputs: Mapping[str, xr.Dataset]) -> list[str]:
                 for variant in errors[name]["variant"].values
             ]
             lines.append(f"{name}, {side}, median error (range): {'; '.join(parts)}.")
+            if f"{name}_scales" in inputs:
+                lines += _of_scales(name, str(side), inputs)
     return lines
+
+
+def _of_scales(name: str, side: str, inputs: Mapping[str, xr.Dataset]) -> list[str]:
+    """Errors of sheets of scales against the cell, and of macro sheets against them."""
+    scales = inputs[f"{name}_scales"]
+    if side not in scales["side"].values:
+        return []
+    over_cell = 100.0 * sheet_errors(scales, inputs[f"{name}_sweep"]).sel(side=side)
+    density = inputs[f"{name}_turned_sheet"]["energy_density"].sel(side=side)
+    over = 100.0 * (density / scales["energy_density"].sel(side=side) - 1.0)
+    macro = [f"{one} {_spread(over.sel(variant=one))}" for one in over["variant"].values]
+    return [
+        f"{name}, {side}, sheets of scales: {_spread(over_cell)} from the cell"
+        f"{_lost(over_cell)}; macro sheets from these: {', '.join(macro)}."
+    ]
 
 
 def _spread(errors: xr.DataArray) -> str:

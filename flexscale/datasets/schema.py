@@ -9,6 +9,7 @@ from flexscale.datasets.kinds import (
     joint,
     native_rig,
     native_sheet,
+    native_turned_sheet,
     rig,
     shape,
     sheet,
@@ -34,6 +35,7 @@ SCHEMAS: dict[str, Schema] = {
         sheet.SHEET,
         turned_sheet.TURNED_SHEET,
         native_sheet.NATIVE_SHEET,
+        native_turned_sheet.NATIVE_TURNED_SHEET,
         rig.RIG,
         native_rig.NATIVE_RIG,
     )

@@ -18,6 +18,7 @@ from flexscale.sides import side_sign
 Measured = tuple[Variable, ...]
 
 BENT = ("side", "curvature")
+TURNED = ("side", "direction")
 COUNTS = (
     ("newton_iterations", "Newton iterations"),
     ("negative_eigenvalues", "negative eigenvalues of the Hessian"),
@@ -76,6 +77,18 @@ def check_sheet_samples(dataset: xr.Dataset) -> None:
     if curvature[0] < 0.0:
         raise SchemaError("Curvatures of a sheet must not be negative: the side carries the sign.")
     check_bent(dataset, "sheet")
+
+
+def check_turned(dataset: xr.Dataset) -> None:
+    """Sides, directions, one curvature, sizes, and numbers exactly where sheets converged."""
+    check_sides(dataset, "turned sheet")
+    directions = dataset["direction"].values
+    check_axis(directions, "direction", "degree")
+    if directions[0] < 0.0 or directions[-1] >= 180.0:
+        raise SchemaError("Directions of turned sheets must lie in [0, 180) degree.")
+    if not float(dataset["curvature"]) > 0.0:
+        raise SchemaError("The curvature of turned sheets must be positive: the side has the sign.")
+    check_bent(dataset, "turned sheet")
 
 
 def check_bent(dataset: xr.Dataset, what: str) -> None:
@@ -145,5 +158,40 @@ def build_sheet_dataset(
         "length": length,
         "width": width,
         "direction": direction,
+    }
+    return build_dataset(schema, values, scalars=scalars, config=config)
+
+
+def build_turned_dataset(
+    schema: Schema,
+    sides: Sequence[str],
+    directions: ArrayLike,
+    arrays: Mapping[str, ArrayLike],
+    *,
+    curvature: float,
+    length: float,
+    width: float,
+    scalars: Mapping[str, float | str],
+    config: Mapping[str, Any],
+) -> xr.Dataset:
+    """Dataset of kind turned_sheet, or native_turned_sheet.
+
+    Parameters
+    ----------
+    schema : of kind turned_sheet, or native_turned_sheet.
+    sides : of "closing", "opening".
+    directions : (n,) degree, increasing, of the lengths in the pattern's coordinates.
+    arrays : (…, n_sides, n) variables by the names of the schema; real values become nan wherever
+        `status` is not 0.
+    curvature : mm-1, positive.
+    length, width : mm.
+    scalars, config : as in `build_sweep_dataset`.
+    """
+    values = {
+        **arrays,
+        **sided(sides, curvature),
+        "direction": np.asarray(directions, dtype=float),
+        "length": length,
+        "width": width,
     }
     return build_dataset(schema, values, scalars=scalars, config=config)

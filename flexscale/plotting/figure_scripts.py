@@ -31,12 +31,14 @@ class Need:
     command : what the user types to make it.
     where : values its catalog row must have, for instance {"pattern": "hexagon"}.
     native : the native model that it is of; "" for any.
+    optional : whether the figure is drawn without it where it is not there.
     """
 
     kind: str
     command: str
     where: Mapping[str, str] = field(default_factory=dict)
     native: str = ""
+    optional: bool = False
 
     def __str__(self) -> str:
         of = [f"of the {self.native}"] if self.native else []

@@ -82,12 +82,13 @@ def draw_figure(
     """
     about = (script.stem, script.caption, script.paper_says)
     try:
-        entries = {
+        found = {
             name: _resolve(name, need, registry, registry if paper is None else paper, use or {})
             for name, need in script.needs.items()
         }
     except MissingDataError as error:
         return FigureReport(*about, "missing", str(error))
+    entries = {name: entry for name, entry in found.items() if entry is not None}
     sources = [
         {"input": name, "id": entry.id, "content_digest": entry.content_digest}
         for name, entry in entries.items()
@@ -114,6 +115,7 @@ def draw_figure(
 def _resolve(
     name: str, need: Need, registry: Registry, paper: Iterable[Any], use: Mapping[str, str]
 ) -> Any:
+    """What meets a need; None where it is optional and nothing does."""
     if name in use:
         return registry.get(use[name])
     fitting = [entry for entry in paper if _fits(entry, need)]
@@ -124,6 +126,8 @@ def _resolve(
     if fitting:
         ids = ", ".join(sorted(entry.id for entry in fitting))
         raise MissingDataError(f"Several datasets are a {need}: {ids}; say which with {name}=ID.")
+    if need.optional:
+        return None
     others = sorted(entry.id for entry in registry if _fits(entry, need))
     hint = (
         f" ({', '.join(others[:5])}: not the paper's; --use {name}=ID draws it)" if others else ""

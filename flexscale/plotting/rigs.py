@@ -1,4 +1,4 @@
-"""The macro model on the testing devices (paper's Figs. 9 to 11): mandrel and stage."""
+"""Scales and macro models on the testing devices (paper's Figs. 9 to 11): mandrel and stage."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 
 from flexscale.checks import DATASET, checked
@@ -19,8 +20,8 @@ from flexscale.plotting.style import (
     COLUMN_WIDTH,
     FAILED_COLOR,
     MACRO_COLOR,
+    NATIVE_COLOR,
     PAGE_WIDTH,
-    SCALE_COLOR,
     SIDE_LINESTYLES,
     add_note,
     axis_label,
@@ -28,6 +29,7 @@ from flexscale.plotting.style import (
     new_figure,
 )
 
+_NATIVE, _MACRO = "scales on joints", "macro model"
 _FAILED_NOTE = "× at the rim: not converged, left out of the curve"
 _NEEDED = {
     "mandrel": ["mandrel_force", "mandrel_status", "angle", "side", "mandrel_indentation"],
@@ -41,7 +43,7 @@ def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
 
     Parameters
     ----------
-    tests : dataset of kind rig; one panel for each of its devices.
+    tests : dataset of kind rig, or native_rig; one panel for each of its devices.
     sides : "closing", "opening" or both; None takes all the dataset has.
 
     Raises
@@ -73,13 +75,15 @@ def rig(tests: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
             else:
                 axes = figure.add_subplot(*place)
                 force, status = tests["stage_force"], tests["stage_status"]
-                notes += draw_side_curves(axes, force, status, "shortening", shown)
+                color, _ = _color_and_model(tests)
+                notes += draw_side_curves(axes, force, status, "shortening", shown, color)
                 axes.set_title(f"{head}\nalong {float(tests['stage_direction']):g}°")
         handles, labels = figure.axes[0].get_legend_handles_labels()
         kept = [k for k, label in enumerate(labels) if not label.startswith("_")]
         figure.legend(
             [handles[k] for k in kept],
             [labels[k] for k in kept],
+            title=_color_and_model(tests)[1],
             loc="outside right center",
         )
         add_note(figure, list(dict.fromkeys(notes)))
@@ -107,11 +111,17 @@ def mandrels(tests: Sequence[tuple[xr.Dataset, xr.Dataset]], side: str, columns:
             axes = polar_axes(figure, (rows, columns, k + 1))
             thin = macro["mandrel_force"].sel(side=side).values.astype(float)
             turn = np.radians(macro["angle"].values)
-            axes.plot([*turn, turn[0]], [*thin, thin[0]], color=SCALE_COLOR, linewidth=0.7)
+            axes.plot([*turn, turn[0]], [*thin, thin[0]], color=MACRO_COLOR, linewidth=0.7)
             largest = float(np.nanmax(thin, initial=0.0))
             notes += draw_mandrel(axes, dataset, pick_sides(dataset, side), largest)
             label = axis_label(dataset["mandrel_force"])
             axes.set_title(f"{subject(dataset)}, {side}\n{label}")
+        looks = ((_NATIVE, NATIVE_COLOR, 1.4, "o"), (_MACRO, MACRO_COLOR, 0.7, ""))
+        handles = [
+            Line2D([], [], color=color, linewidth=width, marker=marker, markersize=2.5, label=label)
+            for label, color, width, marker in looks
+        ]
+        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
         add_note(figure, list(dict.fromkeys(notes)))
     return figure
 
@@ -129,15 +139,15 @@ def draw_mandrel(
     largest = float(np.nanmax(values, initial=least))
     radius = 1.06 * largest if largest > 0.0 else 1.0
     set_radius(axes, radius)
-    ring = _closed(angles)
+    ring, (color, _) = _closed(angles), _color_and_model(tests)
     for side, line, missing in zip(sides, values, failed, strict=True):
         axes.plot(
             np.append(angles, angles[:1]) if ring else angles,
             np.append(line, line[:1]) if ring else line,
-            color=MACRO_COLOR,
+            color=color,
             linestyle=SIDE_LINESTYLES[side],
             marker=SIDE_MARKERS[side],
-            markerfacecolor="white" if side == "opening" else MACRO_COLOR,
+            markerfacecolor="white" if side == "opening" else color,
             markersize=2.5,
             label=side,
         )
@@ -153,6 +163,13 @@ def draw_mandrel(
                 label="_unconverged",
             )
     return [_FAILED_NOTE] if failed.any() else []
+
+
+def _color_and_model(tests: xr.Dataset) -> tuple[str, str]:
+    """Color and name of the model that a dataset is of: scales are counted in those of scales."""
+    if any(str(name).endswith("_n_scales") for name in tests.data_vars):
+        return NATIVE_COLOR, _NATIVE
+    return MACRO_COLOR, _MACRO
 
 
 def _closed(angles: np.ndarray) -> bool:

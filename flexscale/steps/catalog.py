@@ -12,6 +12,7 @@ from flexscale.steps.kinds import (
     joint,
     native_rig,
     native_sheet,
+    native_turned_sheet,
     rig,
     shape,
     sheet,
@@ -37,6 +38,7 @@ STEPS: dict[str, Step] = {
         sheet.SHEET,
         turned_sheet.TURNED_SHEET,
         native_sheet.NATIVE_SHEET,
+        native_turned_sheet.NATIVE_TURNED_SHEET,
         rig.RIG,
         native_rig.NATIVE_RIG,
     )

@@ -12,7 +12,14 @@ if TYPE_CHECKING:
     from flexscale.datasets.registry import Registry
 
 #: Experiment files of a checkout whose datasets the paper's figures and findings show.
-EXPERIMENTS = ("paper", "paper_shapes", "turned_sheets", "printed", "printed_rigs")
+EXPERIMENTS = (
+    "paper",
+    "paper_shapes",
+    "turned_sheets",
+    "printed",
+    "printed_rigs",
+    "printed_turned_sheets",
+)
 _WORKFLOWS = Path(__file__).resolve().parents[2] / "workflows"
 
 

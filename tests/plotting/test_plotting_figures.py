@@ -16,7 +16,7 @@ import xarray as xr
 from flexscale.errors import BadInputError, ConfigError, UnknownNameError
 from flexscale.findings import Evidence, Finding
 from flexscale.plotting import polar, save_figure
-from flexscale.plotting.figure_scripts import find_scripts
+from flexscale.plotting.figure_scripts import Need, find_scripts
 from flexscale.plotting.figures import draw_figure
 from flexscale.plotting.index_page import write_index
 from tests.plotting.plotting_data import flat_cell, two_regime_sweep, with_failures
@@ -212,6 +212,21 @@ def test_what_is_not_the_papers_is_only_drawn_when_asked_for(
     assert "sweep:aaaa: not the paper's; --use sweep=ID draws it" in report.message
     assert "flexscale run square.yaml" in report.message
     assert draw_figure(script, registry, tmp_path, {"sweep": "sweep:aaaa"}, []).sources
+
+
+def test_an_optional_dataset_is_drawn_where_there_is_one(
+    script_folder: Path, tmp_path: Path
+) -> None:
+    (script,) = find_scripts(script_folder)
+    need = Need("sweep", "flexscale run other.yaml", {"pattern": "other"}, optional=True)
+    script.module.NEEDS["other"] = need
+    report = draw_figure(script, FakeRegistry(square_entry("aaaa")), tmp_path)
+    assert report.sources == ("sweep:aaaa",)
+    other = square_entry("bbbb")
+    other.row["pattern"] = "other"
+    report = draw_figure(script, FakeRegistry(square_entry("aaaa"), other), tmp_path)
+    assert report.outcome == "drawn", "anew, with what is there now"
+    assert set(report.sources) == {"sweep:aaaa", "sweep:bbbb"}
 
 
 def test_unknown_figures_and_incomplete_scripts_are_refused(script_folder: Path) -> None:

@@ -28,6 +28,12 @@ FITTED: dict[str, Any] = SMALL | {
 NATIVE: dict[str, Any] = {
     "patterns": {"hexagon": {"family": "IH20"}},
     "native_sheet": {"length": 60, "width": 30, "curvatures": [0, 0.004], "sides": "opening"},
+    "native_turned_sheet": {
+        "length": 60,
+        "width": 30,
+        "curvature": 0.004,
+        "directions": [0, 45, 60],
+    },
     "native_rig": {
         "sides": "closing",
         "mandrel": {"radius": 30, "indentation": "2 mm", "angles": [0, 45, 60]},

@@ -12,6 +12,9 @@ import xarray as xr
 
 import flexscale as fs
 from flexscale.datasets.checks import check_dataset
+from flexscale.errors import SchemaError
+from flexscale.plotting.style import NATIVE_COLOR
+from flexscale.sides import SIDES
 from flexscale.status import SolveStatus
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.step import Resources
@@ -27,7 +30,8 @@ def test_whole_sheets_of_scales_need_no_fit() -> None:
     block = STEPS["native_rig"].task(jobs["native_rig"].recipe.parameters).block
     assert block.stage.shortenings == (0.1, 0.5)
     assert (block.mandrel.hub, block.mandrel.indentation) == (10.0, 2.0)
-    assert all(STEPS[name].resumable for name in ("native_sheet", "native_rig"))
+    assert jobs["native_turned_sheet"].n_samples == 2 * 3
+    assert all(STEPS[name].resumable for name in NAMES)
 
 
 class Kept:
@@ -52,7 +56,10 @@ class Stopped(Exception):
     """Stands for a kill."""
 
 
-#: Samples that are kept of the disc, by their lines.
+NAMES = ("native_sheet", "native_turned_sheet", "native_rig")
+#: Samples that are kept of the turned sheets and of the disc, by their lines.
+TURNED = {f"sheet-{direction}-{side}-0.0": 1 for direction in (0.0, 45.0, 60.0) for side in SIDES}
+del TURNED["sheet-60.0-opening-0.0"]
 DISC = {"mandrel-closing-0.0": 1, "mandrel-closing-45.0": 1}
 
 
@@ -65,7 +72,7 @@ def computed(name: str, resources: Resources) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def native() -> dict[str, xr.Dataset]:
-    return {name: computed(name, Resources()) for name in ("native_sheet", "native_rig")}
+    return {name: computed(name, Resources()) for name in NAMES}
 
 
 def test_native_sheets_hold_what_the_simulation_gives(native) -> None:
@@ -79,6 +86,33 @@ def test_native_sheets_hold_what_the_simulation_gives(native) -> None:
     np.testing.assert_allclose(sheet["energy"], 60.0 * 30.0 * sheet["energy_density"])
     assert (sheet["moment"].isel(curvature=1) > 0.0).all()
     assert float(sheet["signed_curvature"].isel(curvature=1).squeeze()) == -0.004
+
+
+def test_native_turned_sheets_hold_what_the_simulations_give(native) -> None:
+    turned = native["native_turned_sheet"]
+    check_dataset(turned, "native_turned_sheet")
+    assert turned["energy"].dims == ("side", "direction")
+    pattern = fs.Pattern(fs.Tiling("IH20"))
+    alone = fs.simulate_native_sheet(
+        pattern, 60.0, 30.0, curvatures=[0.004], direction=45.0, side="opening"
+    ).squeeze()
+    one = turned.sel(side="opening", direction=45.0)
+    for name in ("energy", "moment", "slide", "min_gap", "n_scales", "n_unknowns", "status"):
+        np.testing.assert_allclose(one[name], alone[name], rtol=1e-9, err_msg=name)
+    assert turned["signed_curvature"].values.tolist() == [0.004, -0.004]
+    # Hexagons are the same every 60 degree, and not every 45.
+    energy = turned["energy"].sel(side="closing")
+    assert float(energy.sel(direction=60.0)) == pytest.approx(float(energy[0]), rel=1e-6)
+    assert float(energy.sel(direction=45.0)) != pytest.approx(float(energy[0]), rel=1e-3)
+
+
+def test_native_turned_sheets_refuse_other_values(native) -> None:
+    turned = native["native_turned_sheet"]
+    with pytest.raises(SchemaError, match="strictly increasing"):
+        check_dataset(turned.isel(direction=[1, 0, 2]), "native_turned_sheet")
+    flat = turned.assign_coords(curvature=turned["curvature"].copy(data=0.0))
+    with pytest.raises(SchemaError, match="must be positive"):
+        check_dataset(flat, "native_turned_sheet")
 
 
 def test_native_rigs_hold_what_the_simulations_give(native) -> None:
@@ -107,7 +141,11 @@ def test_native_rigs_hold_what_the_simulations_give(native) -> None:
 def test_figures_show_sheets_of_scales(native) -> None:
     (axes,) = fs.plot.sheet(native["native_sheet"]).axes
     assert "native model" in axes.get_title()
-    disc, stage = fs.plot.rig(native["native_rig"]).axes
+    figure = fs.plot.rig(native["native_rig"])
+    disc, stage = figure.axes
+    (legend,) = figure.legends
+    assert legend.get_title().get_text() == "scales on joints"
+    assert {line.get_color() for line in (disc.lines[0], stage.lines[0])} == {NATIVE_COLOR}
     assert "mandrel, 2 mm" in disc.get_title()
     force = native["native_rig"]["stage_force"].sel(side="closing")
     np.testing.assert_allclose(stage.lines[0].get_ydata(), force)
@@ -118,6 +156,12 @@ def test_sheets_of_scales_tell_every_sample_that_they_finish(native) -> None:
     computed("native_sheet", Resources(on_sample=events.append))
     told = [(event.done, event.total, event.side, event.curvature) for event in events]
     assert told == [(1, 2, "opening", 0.0), (2, 2, "opening", 0.004)]
+    events.clear()
+    computed("native_turned_sheet", Resources(on_sample=events.append))
+    told = [(event.done, event.total, event.side, event.direction) for event in events]
+    places = [(side, direction) for direction in (0.0, 45.0, 60.0) for side in SIDES]
+    assert told == [(k + 1, 6, *place) for k, place in enumerate(places)]
+    assert [event.seconds for event in events] == sorted(event.seconds for event in events)
     events.clear()
     computed("native_rig", Resources(on_sample=events.append))
     assert [event.done for event in events] == [1, 2, 3, 4, 5]
@@ -131,6 +175,7 @@ def test_sheets_of_scales_tell_every_sample_that_they_finish(native) -> None:
     ("name", "before", "after"),
     [
         ("native_sheet", {"opening-0.0": 1}, {"opening-0.0": 2}),
+        ("native_turned_sheet", TURNED, TURNED | {"sheet-60.0-opening-0.0": 1}),
         ("native_rig", DISC | {"stage-closing": 1}, DISC | {"stage-closing": 2}),
     ],
 )
@@ -152,7 +197,7 @@ def test_sheets_of_scales_go_on_where_they_were_stopped(
     xr.testing.assert_equal(again, native[name])
 
 
-@pytest.mark.parametrize("name", ["native_sheet", "native_rig"])
+@pytest.mark.parametrize("name", NAMES)
 def test_samples_that_are_not_of_the_sheet_are_solved_again(native, name: str) -> None:
     kept = Kept()
     computed(name, Resources(checkpoint=kept))

@@ -43,6 +43,7 @@ WHOLE: dict[str, Any] = SQUARE | {
     "tensor_sweep": {"shapes": [-45, 0], "curvatures": [0, 0.01]},
     "native_sheet": {"curvatures": [0, 0.01], "offset": [1, 2],
                      "outline": [[0, 0], [100, 0], [100, 50], [50, 40], [0, 50]]},
+    "native_turned_sheet": {"directions": [0, 45]},
     "native_rig": {"mandrel": {}, "stage": {"shortenings": [1]}},
 }  # fmt: skip
 #: What the steps hand their parameters to; results are made up.
@@ -66,11 +67,12 @@ CALLED = {
     "sheet": (f"{MACRO}.model.MacroModel.from_dataset", f"{SHEETS}.bent_sheet.BendingRig",
               "flexscale.datasets.sheet_variables.build_sheet_dataset"),
     "turned_sheet": (f"{MACRO}.fit.fit", f"{SHEETS}.simulate.simulate_sheet",
-                     "flexscale.datasets.kinds.turned_sheet.build_turned_sheet_dataset"),
+                     "flexscale.datasets.sheet_variables.build_turned_dataset"),
     "rig": (f"{MACRO}.model.MacroModel.from_dataset", f"{SHEETS}.mandrel.simulate_mandrel",
             f"{SHEETS}.stage.simulate_stage",
             "flexscale.datasets.device_variables.build_rig_dataset"),
     "native_sheet": (f"{FINITE}.native_sheet_dataset.simulate_native_sheet",),
+    "native_turned_sheet": (f"{FINITE}.native_turned_sheets.turn_native_sheets",),
     "native_rig": (f"{FINITE}.native_rigs.Progress", f"{FINITE}.native_rigs.mandrel_arrays",
                    f"{FINITE}.native_rigs.stage_arrays", f"{FINITE}.native_rigs.rig_dataset"),
 }  # fmt: skip
@@ -177,7 +179,7 @@ def test_every_parameter_of_a_step_reaches_its_computation(
     assert not unread
 
 
-@pytest.mark.parametrize("name", ["native_sheet", "native_rig"])
+@pytest.mark.parametrize("name", ["native_sheet", "native_turned_sheet", "native_rig"])
 @pytest.mark.parametrize("native", ["shell", "solid"])
 def test_whole_sheets_of_other_native_models_are_refused_when_planned(
     name: str, native: str

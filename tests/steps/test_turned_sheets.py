@@ -11,7 +11,8 @@ import xarray as xr
 import flexscale as fs
 from flexscale.datasets.checks import check_dataset
 from flexscale.errors import BadInputError, MissingDataError, SchemaError
-from flexscale.plotting.turned_sheets import sheet_errors
+from flexscale.plotting.style import NOTE_COLOR
+from flexscale.plotting.turned_sheets import TurnedColumn, sheet_errors, turned_sheets
 from flexscale.status import SolveStatus
 from flexscale.steps.catalog import STEPS
 from flexscale.steps.experiment import parse_experiment
@@ -165,3 +166,36 @@ def test_a_sweep_of_other_curvatures_is_refused(turned: xr.Dataset, sweep: xr.Da
         fs.plot.turned_sheet(turned, sweep.isel(curvature=slice(0, 4)))
     with pytest.raises(SchemaError, match="turned sheets"):
         fs.plot.turned_sheet(sweep, sweep)
+
+
+def test_sheets_of_scales_and_another_model_stand_beside(
+    turned: xr.Dataset, sweep: xr.Dataset
+) -> None:
+    """Each in its own color and mark; errors are those against the cell."""
+    scales = turned.isel(variant=0, drop=True).drop_vars("law_energy_density").copy(deep=True)
+    scales["energy_density"] *= 0.9
+    figure = fs.plot.turned_sheet(turned, sweep, "closing", native=scales)
+    polar, errors = figure.axes
+    drawn = {line.get_label(): line for line in errors.lines}
+    off = sheet_errors(scales, sweep).sel(side="closing")
+    np.testing.assert_allclose(drawn["scales"].get_ydata(), 100.0 * off)
+    looks = {
+        (drawn[name].get_color(), drawn[name].get_marker())
+        for name in ("scales", "tangent", "paper")
+    }
+    assert len(looks) == len({color for color, _ in looks}) == 3
+    assert drawn["scales"].get_linestyle() == "None"
+    assert "scales" in {line.get_label() for line in polar.lines}
+
+    half = sweep.copy(deep=True)
+    half["energy_density"] *= 0.5
+    (column,) = [TurnedColumn(turned, sweep, "closing", None, (turned, half))]
+    beside = turned_sheets([column])
+    (thin,) = (line for line in beside.axes[0].lines if line.get_color() == NOTE_COLOR)
+    expected = 0.5 * sweep["energy_density"].sel(side="closing", curvature=0.012, direction=0.0)
+    assert thin.get_ydata()[0] == pytest.approx(float(expected))
+    (legend,) = beside.legends
+    assert "cell, shell" in [text.get_text() for text in legend.get_texts()]
+    below = [line for line in beside.axes[1].lines if line.get_linewidth() == 0.6]
+    other = 100.0 * sheet_errors(turned, half).sel(side="closing")
+    np.testing.assert_allclose([line.get_ydata() for line in below], other)

@@ -10,14 +10,13 @@ from pydantic_core import PydanticCustomError
 
 from flexscale.datasets.variables import VARIANTS, Variant
 from flexscale.patterns.pattern import Pattern
-from flexscale.sides import SIDES
-from flexscale.steps.blocks import BendingDirections, Curvature, Sides, Size
-from flexscale.steps.folds import require_open
+from flexscale.steps.blocks import Size
 from flexscale.steps.kinds.fit import require_sweep_to_fit
+from flexscale.steps.kinds.native_turned_sheet import TurnedBlock
 from flexscale.steps.kinds.sheet import ARRAYS
 from flexscale.steps.macro_blocks import refuse_many_triangles
 from flexscale.steps.quantities import declared, several
-from flexscale.steps.step import Figure, Resources, Step, StepBlock, Task
+from flexscale.steps.step import Figure, Resources, Step, Task
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from flexscale.steps.experiment import Experiment
 
 
-class TurnedSheetBlock(StepBlock):
+class TurnedSheetBlock(TurnedBlock):
     """Rectangular sheets between end strips, each with the pattern turned another way on it.
 
     Models are fitted to the sweep, one for each energy of a curvature tensor.
@@ -33,15 +32,6 @@ class TurnedSheetBlock(StepBlock):
 
     takes: ClassVar[tuple[str, ...]] = ("sweep", "tangent")
 
-    length: Size = declared(100.0, "length, along which they are bent", gt=0.0)
-    width: Size = declared(50.0, "width", gt=0.0)
-    curvature: Curvature = declared(0.02, "curvature of the end strips", gt=0.0)
-    directions: BendingDirections = declared(
-        tuple(15.0 * index for index in range(12)),
-        "of their length in the pattern's coordinates, increasing, from 0 to below 180",
-        min_length=1,
-    )
-    sides: Sides = declared(SIDES, "sides to bend to: closing, opening", min_length=1)
     variants: Annotated[tuple[Variant, ...], several] = declared(
         VARIANTS, "energies of a curvature tensor: tangent, paper", min_length=1
     )
@@ -55,14 +45,13 @@ class TurnedSheetBlock(StepBlock):
         return values
 
     @model_validator(mode="after")
-    def _does_not_meet_itself(self) -> Self:
-        require_open(self.curvature, self.length)
+    def _not_too_fine(self) -> Self:
         refuse_many_triangles("turned_sheet", self.length, self.width, self.size)
         return self
 
     def n_samples(self, pattern: Pattern) -> int:
         """One for each energy, side and direction."""
-        return len(self.variants) * len(self.sides) * len(self.directions)
+        return len(self.variants) * super().n_samples(pattern)
 
     def refuse_in(self, experiment: Experiment) -> None:
         """A sweep that is too small."""
@@ -78,7 +67,8 @@ def compute(
     """
     import numpy as np
 
-    from flexscale.datasets.kinds.turned_sheet import build_turned_sheet_dataset
+    from flexscale.datasets.kinds.turned_sheet import TURNED_SHEET as KIND
+    from flexscale.datasets.sheet_variables import build_turned_dataset
     from flexscale.macro.fit import fit
     from flexscale.sheets.bent_sheet import SheetOptions
     from flexscale.sheets.simulate import simulate_sheet
@@ -113,8 +103,9 @@ def compute(
     arrays["moment"] *= np.array([[side_sign(side)] for side in sides])
     laws = [[of.energy(block.curvature, directions, side) for side in sides] for of in models]
     arrays["law_energy_density"] = np.array(laws)
-    return build_turned_sheet_dataset(
-        block.variants,
+    arrays["variant"] = np.array(block.variants)
+    return build_turned_dataset(
+        KIND,
         sides,
         directions,
         arrays,

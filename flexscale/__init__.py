@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from flexscale import plotting as plot
     from flexscale.datasets.onset import contact_onset
     from flexscale.datasets.registry import between, open_registry
+    from flexscale.exchange.export import export
     from flexscale.finite.deformed_scales import deform_native_sheet
     from flexscale.finite.native_rigs import simulate_native_mandrel, simulate_native_stage
     from flexscale.finite.native_sheet_dataset import simulate_native_sheet
@@ -72,6 +73,7 @@ __all__ = [
     "between",
     "contact_onset",
     "deform_native_sheet",
+    "export",
     "families",
     "fit",
     "gap_model",
@@ -117,6 +119,7 @@ PUBLIC_HOMES = {
     "between": "flexscale.datasets.registry",
     "contact_onset": "flexscale.datasets.onset",
     "deform_native_sheet": "flexscale.finite.deformed_scales",
+    "export": "flexscale.exchange.export",
     "families": "flexscale.tilings",
     "fit": "flexscale.macro.fit",
     "joint_law": "flexscale.joints.library",

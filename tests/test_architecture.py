@@ -37,6 +37,7 @@ FLOORS = {
     "sheets": 7,
     "finite": 7,
     "fabricate": 7,
+    "exchange": 8,
     "synthesis": 8,
     "steps": 9,
     "cli": 10,

@@ -15,10 +15,12 @@ from typing import Annotated
 import typer
 
 from flexscale.cli import data, fabricate, tiling
-from flexscale.cli.options import Json, Quiet, Results
+from flexscale.cli.export import HELP as EXPORT_HELP
+from flexscale.cli.options import Force, Json, Quiet, Results
 from flexscale.cli.printable import printable_streams
 from flexscale.cli.terminal import Interrupted, interruptible, show_what_it_can
 from flexscale.errors import FlexScaleError
+from flexscale.exchange.formats import FORMATS
 from flexscale.system_failures import explain
 
 INTERRUPTED = 130
@@ -79,6 +81,21 @@ def figures(
     from flexscale.cli.figures import draw_figures
 
     raise typer.Exit(draw_figures(names or [], results, out, use or []))
+
+
+@app.command(help=EXPORT_HELP)
+def export(
+    dataset: Annotated[str, typer.Argument(help="Id of a fit, a gap_model or a tangent.")],
+    to: Annotated[str, typer.Option(help=f"Format: {', '.join(FORMATS)}.")],
+    output: Annotated[
+        Path | None, typer.Option(help="File to write; named after the dataset if not given.")
+    ] = None,
+    force: Force = False,
+    results: Results = Path("results"),
+) -> None:
+    from flexscale.cli.export import export_dataset
+
+    export_dataset(dataset, to, output, results, replace=force)
 
 
 @app.command()

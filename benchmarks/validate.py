@@ -119,6 +119,7 @@ ALL = (
     Page("interruptions", runs=True),
     Page("fabricate"),
     Page("fuzz", runs=True),
+    Page("exported_files"),
 )
 
 

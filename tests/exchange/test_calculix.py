@@ -10,23 +10,15 @@ import numpy as np
 import pytest
 
 import flexscale as fs
+from benchmarks.ccx_plates import cantilever, twisted_plate
 from flexscale.exchange.equivalent_layers import find_layers
 from flexscale.homogenize.tangent import TangentStiffness
-from flexscale.mechanics.linear_law import linear_sheet
-from flexscale.mesh.sheet import crossed_rectangle
-from flexscale.sheets.conditions import Conditions
-from flexscale.sheets.load_path import follow_loads
-from flexscale.sheets.sheet import build_sheet
-from flexscale.sheets.sheet_problem import SheetProblem
-from flexscale.solve.solver_options import SolverOptions
-from tests.exchange.ccx_jobs import build_plate, solve_plate
 from tests.macro.law_samples import stiffness
 
 needs_ccx = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="no CalculiX (ccx; Debian's calculix-ccx) on this machine"
 )
 PATTERNS = ("square", "hexagon", "arrowhead")
-CELLS = (48, 16)  # of the cantilevers, along and across
 
 
 def tangent_of(results: Path, pattern: str) -> TangentStiffness:
@@ -93,35 +85,9 @@ def test_numbers_are_short_enough(tmp_path: Path) -> None:
 @needs_ccx
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_twisted_plate(pattern: str, shipped_results: Path, tmp_path: Path) -> None:
-    """Square plate on three corners, a force P on the fourth: Kirchhoff's corner forces make a
-    uniform moment M_xy = P/2, and so uniform curvatures D⁻¹ (0, 0, P/2). Within 1 % everywhere."""
-    tangent, side, force = tangent_of(shipped_results, pattern), 60.0, 1e-3
-    section = fs.export(tangent, to="calculix", path=tmp_path / "section.inp")
-    plate = build_plate(side, side, (10, 10))
-    x, y = plate.points.T
-    (first,), (second,) = plate.at((x == 0) & (y == 0)), plate.at((x == side) & (y == 0))
-    (third,), (free,) = plate.at((x == 0) & (y == side)), plate.at((x == side) & (y == side))
-    supports = [(first, 1, 3), (second, 2, 3), (third, 3, 3)]
-    found = solve_plate(tmp_path, plate, section, supports, [(free, 3, force)])[:, 2]
-    k = np.linalg.solve(tangent.matrix, [0.0, 0.0, 0.5 * force])
-    w = 0.5 * (k[0] * x * (x - side) + k[1] * y * (y - side) + k[2] * x * y)
-    assert np.abs(found - w).max() < 0.01 * np.abs(w).max()
-
-
-def our_tip(tangent: TangentStiffness, length: float, width: float, force: float) -> float:
-    """Deflection of the middle of a clamped strip's end under a small force, by our own sheet."""
-    mesh = crossed_rectangle((0.0, length), (0.0, width), CELLS)
-    x = mesh.points[:, 0]
-    left, right = x < 1e-9, x > length - 1e-9
-    law = linear_sheet(tangent.in_plane, tangent.matrix)
-    sheet = build_sheet(mesh, law, clamped=left)
-    conditions = Conditions(sheet)
-    conditions.clamp(left)
-    conditions.load_line(right, (0.0, 0.0, force / width))
-    (step,) = follow_loads(SheetProblem(conditions), (1.0,), SolverOptions(max_iterations=400))
-    assert step.status == 0
-    middle = right & (np.abs(mesh.points[:, 1] - 0.5 * width) < 1e-9)
-    return float(step.state.y[sheet.rows.positions(middle)][0, 2])
+    """Within 1 % of Kirchhoff's plate, everywhere."""
+    found, expected = twisted_plate(tangent_of(shipped_results, pattern), tmp_path)
+    assert np.abs(found - expected).max() < 0.01 * np.abs(expected).max()
 
 
 @needs_ccx
@@ -130,21 +96,6 @@ def our_tip(tangent: TangentStiffness, length: float, width: float, force: float
     ["hexagon", *(pytest.param(name, marks=pytest.mark.slow) for name in ("square", "arrowhead"))],
 )
 def test_cantilever(pattern: str, shipped_results: Path, tmp_path: Path) -> None:
-    """A strip of 60 mm × 20 mm, clamped and loaded at its end: within 1 % of our own sheet of the
-    same A and D."""
-    tangent, length, force = tangent_of(shipped_results, pattern), 60.0, 1e-4
-    section = fs.export(tangent, to="calculix", path=tmp_path / "section.inp")
-    width = 20.0
-    plate = build_plate(length, width, CELLS)
-    x = plate.points[:, 0]
-    end = plate.at(x > length - 1e-9)
-    # Consistent loads of a quadratic edge: 1, 4, 1 sixths of every element's share.
-    order = np.argsort(plate.points[np.array(end) - 1, 1])
-    shares = np.zeros(len(end))
-    for cell in range(CELLS[1]):
-        shares[2 * cell : 2 * cell + 3] += np.array([1.0, 4.0, 1.0]) / (6.0 * CELLS[1])
-    loads = [(end[int(n)], 3, force * s) for n, s in zip(order, shares, strict=True)]
-    supports = [(node, 1, 6) for node in plate.at(x < 1e-9)]
-    found = solve_plate(tmp_path, plate, section, supports, loads)
-    tip = found[end[int(order[len(order) // 2])] - 1, 2]
-    assert tip == pytest.approx(our_tip(tangent, length, width, force), rel=0.01)
+    """Within 1 % of our own sheet."""
+    found, ours = cantilever(tangent_of(shipped_results, pattern), tmp_path)
+    assert found == pytest.approx(ours, rel=0.01)

@@ -96,7 +96,8 @@ def read_subject(given: Any) -> Subject:
 
     Raises
     ------
-    BadInputError : something that is neither a stiffness nor a law.
+    BadInputError : something that is neither a stiffness nor a law, or a stiffness that is not
+        positive.
     SchemaError : a dataset of the right kind with values that it cannot have.
     """
     if isinstance(given, xr.Dataset):
@@ -104,7 +105,7 @@ def read_subject(given: Any) -> Subject:
     if hasattr(given, "sheet_law"):
         return _of_model(given, f"a {type(given).__name__}")
     if hasattr(given, "matrix") and hasattr(given, "in_plane"):
-        return Subject("a tangent", {}, _laminate(given.matrix, given.in_plane, given.coupling))
+        return Subject("a tangent", {}, _of_tangent(given, given.coupling))
     raise BadInputError(f"{shown(given)} ({type(given).__name__}) cannot be exported: {_HOW}.")
 
 
@@ -119,8 +120,7 @@ def _of_dataset(dataset: xr.Dataset) -> Subject:
     if kind == "tangent":
         require_variables(dataset, ("matrix", "in_plane"), "An export", "tangent")
         coupling = dataset["coupling"].values if "coupling" in dataset else None
-        laminate = _laminate(dataset["matrix"].values, dataset["in_plane"].values, coupling)
-        return Subject(source, read_labels(dataset), laminate)
+        return Subject(source, read_labels(dataset), _of_tangent(dataset, coupling))
     if kind == "fit":
         from flexscale.macro.model import MacroModel
 
@@ -128,6 +128,12 @@ def _of_dataset(dataset: xr.Dataset) -> Subject:
     from flexscale.macro.gap_model import GapModel
 
     return _of_model(GapModel.from_dataset(dataset), source)
+
+
+def _of_tangent(tangent: Any, coupling: Any) -> Laminate:
+    from flexscale.macro.rest_stiffness import read_rest_stiffness
+
+    return _laminate(*read_rest_stiffness(tangent), coupling)
 
 
 def _of_model(model: Any, source: str) -> Subject:

@@ -66,6 +66,13 @@ def test_what_is_neither_stiffness_nor_law_is_refused(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_stiffness_that_is_none_is_refused(tmp_path: Path) -> None:
+    soft = TangentStiffness(np.diag([1.0, -2.0, 1.0]), IN_PLANE)
+    with pytest.raises(BadInputError, match=r"bending stiffness .* is not positive \(least .* -2"):
+        fs.export(soft, to="calculix", path=tmp_path / "file")
+    assert not list(tmp_path.iterdir())
+
+
 def test_files_that_are_there_stay(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_text("mine")

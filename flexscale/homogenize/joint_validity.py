@@ -10,6 +10,8 @@ from flexscale.patterns.pattern import Pattern
 
 NARROW = 4.0  # thicknesses of the sheet: widths that a scale should have, necks included
 SHARP = 30.0  # degree: tips that comparisons with solids do not cover
+HARD = 70.0  # times the sheet's modulus: scales of PETG on TPU, softer ones were not compared
+GAPS = (0.5, 4.0)  # thicknesses of the sheet, between which sections were compared with strips
 
 
 def doubts(pattern: Pattern) -> tuple[str, ...]:
@@ -28,6 +30,19 @@ def doubts(pattern: Pattern) -> tuple[str, ...]:
             f"scales have tips of {sharpest:.0f} degree: the ends of joints there are known for "
             f"tips down to {SHARP:g} degree"
         )
+    stiffer = pattern.scale_material.young_modulus / pattern.substrate_material.young_modulus
+    if stiffer < HARD:
+        found.append(
+            f"scales are {stiffer:.3g} times as stiff as the sheet: joints take them as rigid but "
+            f"for their rims, which was compared with solids from {HARD:g} times on"
+        )
+    for gap in (min(pattern.gaps), max(pattern.gaps)):
+        if not GAPS[0] <= gap / pattern.substrate_thickness <= GAPS[1]:
+            found.append(
+                f"a gap of {gap:g} mm is {gap / pattern.substrate_thickness:.3g} thicknesses of "
+                f"the sheet wide: joints were checked from {GAPS[0]:g} to {GAPS[1]:g}"
+            )
+            break
     return tuple(found)
 
 

@@ -13,7 +13,7 @@ from flexscale.plotting.scene import cell
 from flexscale.plotting.sheets import sheet
 from flexscale.plotting.style import flexscale_style
 from flexscale.plotting.tensor_sweeps import tensor_sweep
-from flexscale.plotting.turned_sheets import turned_sheet
+from flexscale.plotting.turned_sheets import native_turned_sheet, turned_sheet
 
 __all__ = [
     "cell",
@@ -23,6 +23,7 @@ __all__ = [
     "gap_model",
     "joint",
     "macro_polar",
+    "native_turned_sheet",
     "polar",
     "rig",
     "save_figure",

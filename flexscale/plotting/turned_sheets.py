@@ -61,13 +61,9 @@ class TurnedColumn:
     thin: tuple[xr.Dataset, xr.Dataset] | None = None
 
 
-@checked(turned=DATASET, sweep=DATASET, native=DATASET)
+@checked(turned=DATASET, sweep=DATASET)
 def turned_sheet(
-    turned: xr.Dataset,
-    sweep: xr.Dataset,
-    sides: str | Sequence[str] | None = None,
-    *,
-    native: xr.Dataset | None = None,
+    turned: xr.Dataset, sweep: xr.Dataset, sides: str | Sequence[str] | None = None
 ) -> Figure:
     """Energy density of sheets against direction, beside the cell's; one column a side.
 
@@ -76,7 +72,6 @@ def turned_sheet(
     turned : dataset of kind turned_sheet.
     sweep : native samples of the same pattern, at the curvature of the sheets.
     sides : "closing", "opening" or both; None takes all the sheets were bent to.
-    native : dataset of kind native_turned_sheet, bent to the same sides and curvature.
 
     Raises
     ------
@@ -86,7 +81,37 @@ def turned_sheet(
     """
     require_variables(turned, _NEEDED, "A figure of turned sheets", "turned_sheet")
     shown = pick_sides(turned, sides)
-    return turned_sheets([TurnedColumn(turned, sweep, side, native) for side in shown])
+    return turned_sheets([TurnedColumn(turned, sweep, side) for side in shown])
+
+
+@checked(sheets=DATASET)
+def native_turned_sheet(sheets: xr.Dataset, sides: str | Sequence[str] | None = None) -> Figure:
+    """Energy density of sheets of scales against direction; one panel a side.
+
+    Parameters
+    ----------
+    sheets : dataset of kind native_turned_sheet.
+    sides : "closing", "opening" or both; None takes all the sheets were bent to.
+
+    Raises
+    ------
+    SchemaError : another dataset.
+    UnknownNameError : a side that they were not bent to.
+    """
+    kind = "native_turned_sheet"
+    require_variables(sheets, _NEEDED_OF_SHEETS, "A figure of turned sheets of scales", kind)
+    shown = pick_sides(sheets, sides)
+    width = 0.4 * PAGE_WIDTH * len(shown)
+    with flexscale_style():
+        figure = new_figure(width, 0.42 * PAGE_WIDTH)
+        notes: list[str] = []
+        for place, side in enumerate(shown):
+            panel = polar_axes(figure, (1, len(shown), place + 1))
+            curve = _of_scales(sheets.sel(side=side))
+            notes += draw_polar_curves(panel, [curve], common_radius([curve]))
+            panel.set_title(f"{subject(sheets)}, {side}")
+        add_note(figure, [_what(sheets), *dict.fromkeys(notes)])
+    return figure
 
 
 def turned_sheets(columns: Sequence[TurnedColumn], thin_model: str = "shell") -> Figure:
@@ -120,14 +145,19 @@ def turned_sheets(columns: Sequence[TurnedColumn], thin_model: str = "shell") ->
         turned = columns[0].turned
         handles = _legend(columns, thin_model)
         figure.legend(handles=handles, loc="outside upper center", ncols=3 if n > 1 else 1)
-        sizes = f"{float(turned['length']):g} mm × {float(turned['width']):g} mm"
-        at = f"{float(turned['curvature']):g} {unit_text('mm-1')}"
-        units = unit_text(str(turned["energy_density"].attrs["units"]))
-        what = f"above: energy per area [{units}], sheets of {sizes} at {at}"
+        what = f"above: {_what(turned)}"
         thin = any(column.thin is not None for column in columns)
         last = f"thin below: sheets of the {thin_model} over its own cell" if thin else _LAW_NOTE
         add_note(figure, [what, *dict.fromkeys(notes), last])
     return figure
+
+
+def _what(turned: xr.Dataset) -> str:
+    """What is drawn, of sheets of which size, at which curvature."""
+    sizes = f"{float(turned['length']):g} mm × {float(turned['width']):g} mm"
+    at = f"{float(turned['curvature']):g} {unit_text('mm-1')}"
+    units = unit_text(str(turned["energy_density"].attrs["units"]))
+    return f"energy per area [{units}], sheets of {sizes} at {at}"
 
 
 def cell_energy_density(turned: xr.Dataset, sweep: xr.Dataset) -> xr.DataArray:
@@ -180,9 +210,7 @@ def _draw_energies(axes: PolarAxes, column: TurnedColumn) -> list[str]:
     if column.native is not None:
         require_variables(column.native, _NEEDED_OF_SHEETS, "Sheets of scales")
         pick_sides(column.native, side)
-        one = column.native.sel(side=side)
-        failed = one["status"].values != 0
-        curves.append(_curve(one["energy_density"], failed, _NATIVE_LOOK, "scales"))
+        curves.append(_of_scales(column.native.sel(side=side)))
     axes.set_thetagrids(np.arange(0, 360, 30), labels=["0°", "", "", "90°", *[""] * 8])
     others = []
     if column.thin is not None:
@@ -195,6 +223,11 @@ def _draw_energies(axes: PolarAxes, column: TurnedColumn) -> list[str]:
         values = [*curve.values, *curve.values, curve.values[0]]
         axes.plot(ring, values, color=NOTE_COLOR, linewidth=0.6)
     return notes
+
+
+def _of_scales(one: xr.Dataset) -> PolarCurve:
+    """Energies of sheets of scales bent to one side."""
+    return _curve(one["energy_density"], one["status"].values != 0, _NATIVE_LOOK, "scales")
 
 
 def _curve(

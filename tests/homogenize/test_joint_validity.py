@@ -1,4 +1,4 @@
-"""What of a pattern joints were not compared with solids for: each sentence, and none without need."""
+"""What of a pattern joints were not compared with solids for: a sentence each, if there is need."""
 
 from __future__ import annotations
 

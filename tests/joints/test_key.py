@@ -50,7 +50,7 @@ def test_grooves_are_those_that_are_printed() -> None:
 
 
 def test_half_width_is_the_radius_of_the_largest_circle_in_a_scale() -> None:
-    assert half_width(Pattern(Tiling("IH76"))) == pytest.approx(4.8, rel=1e-3)
+    assert half_width(Pattern(Tiling("IH76")), 0.4) == pytest.approx(4.8, rel=1e-3)
 
 
 @pytest.mark.parametrize(

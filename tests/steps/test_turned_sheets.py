@@ -174,8 +174,13 @@ def test_sheets_of_scales_and_another_model_stand_beside(
     """Each in its own color and mark; errors are those against the cell."""
     scales = turned.isel(variant=0, drop=True).drop_vars("law_energy_density").copy(deep=True)
     scales["energy_density"] *= 0.9
-    figure = fs.plot.turned_sheet(turned, sweep, "closing", native=scales)
+    figure = turned_sheets([TurnedColumn(turned, sweep, "closing", scales)])
     polar, errors = figure.axes
+    (alone,) = fs.plot.native_turned_sheet(scales, "closing").axes
+    (own,) = (line for line in alone.lines if line.get_label() == "scales")
+    radii = own.get_ydata()
+    own_energies = scales["energy_density"].sel(side="closing").values
+    np.testing.assert_array_equal(radii[np.isfinite(radii)], own_energies)
     drawn = {line.get_label(): line for line in errors.lines}
     off = sheet_errors(scales, sweep).sel(side="closing")
     np.testing.assert_allclose(drawn["scales"].get_ydata(), 100.0 * off)

@@ -93,10 +93,9 @@ NATIVE_TURNED_SHEET = Step(
     figures=(
         Figure(
             "native_turned_sheet",
-            ("native_turned_sheet", "turned_sheet", "sweep"),
-            lambda plot, native, turned, sweep: plot.turned_sheet(turned, sweep, native=native),
-            "Energy density of sheets of scales and of macro models against the direction of the "
-            "pattern on them, and of the cell.",
+            ("native_turned_sheet",),
+            lambda plot, sheets: plot.native_turned_sheet(sheets),
+            "Energy density of sheets of scales against the direction of the pattern on them.",
         ),
     ),
 )

@@ -205,8 +205,8 @@ def draw_ruler(axes: Axes, camera: View, half: tuple[float, float]) -> None:
         color="0.2",
     )
     # Low enough that the upward one ends inside of the window, however flat that is.
-    low = min(0.78 * half[1], half[1] - 0.2 * half[0])
-    origin = np.array([-0.88 * half[0], low])
+    low = min(0.78 * half[1], half[1] - 0.17 * half[0])
+    origin = np.array([-0.92 * half[0], low])
     look = {"arrowstyle": "-|>", "lw": 0.6, "color": "0.2", "mutation_scale": 5}
     look |= {"shrinkA": 0, "shrinkB": 0}
     for name, direction in zip("xyz", camera.axes[:2].T, strict=True):

@@ -16,9 +16,10 @@ from dataclasses import replace
 from report import output_file, report
 
 import flexscale as fs
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_model import plate_stiffness
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.solve.solver_options import SolverOptions
 
 CURVATURES = (0.006, 0.009, 0.011, 0.013, 0.016, 0.02)

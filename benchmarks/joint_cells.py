@@ -23,9 +23,10 @@ from report import heading, peak_memory, report, table
 
 import flexscale as fs
 from flexscale.arrays import BoolArray, FloatArray
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.cell_model import plate_stiffness
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.problem import Problem
 from flexscale.homogenize.tangent import TangentStiffness, solve_tangent
 from flexscale.plotting.style import (

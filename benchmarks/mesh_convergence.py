@@ -27,8 +27,9 @@ import numpy as np
 import scipy.optimize
 
 import flexscale as fs
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.solve.solver_options import SolverOptions
 
 PATTERNS = ("square", "hexagon", "chevron", "arrowhead")

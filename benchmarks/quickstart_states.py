@@ -16,8 +16,9 @@ import numpy as np
 from report import output_file, report
 
 import flexscale as fs
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.solve.solver_options import SolverOptions
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

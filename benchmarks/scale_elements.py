@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from report import output_file, report
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import solve_tangent
 

@@ -22,8 +22,9 @@ from typing import Any
 from report import heading, report, table
 
 import flexscale as fs
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.tangent import solve_tangent
 
 #: Patterns and their directions, degree.

@@ -20,7 +20,7 @@ from substrate_elements import SMOOTH, UNIFORM, measure, options
 
 import flexscale as fs
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.mechanics.energy import block_pairs
 from flexscale.mechanics.neo_hookean import NeoHookeanTets

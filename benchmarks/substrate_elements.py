@@ -18,7 +18,7 @@ from crossed import cross_gaps
 from report import output_file, report
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.homogenize.cell_model import CellModel, plate_stiffness
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.tangent import solve_tangent

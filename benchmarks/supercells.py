@@ -22,8 +22,9 @@ import numpy as np
 from report import report
 
 import flexscale as fs
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.solve.solver_options import SolverOptions
 
 SIDES = (1, 2, 4, 8)  # cells along each lattice vector

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexscale.arrays import FloatArray
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.bodies import N_FRAME, Body
 from flexscale.embedding.body_map import BodyMap
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.embedding.curvature_map import Bend
 
 
 class BodyCell:

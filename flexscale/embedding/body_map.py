@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexscale.arrays import FloatArray
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.bodies import N_FRAME, Body
 from flexscale.embedding.curvature_map import (
     GRADIENT,
     POSITION,
-    Bend,
     ImageVectors,
     curve_images,
     flat_curvature_rates,

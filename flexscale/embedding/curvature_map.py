@@ -22,8 +22,7 @@ n . (I + S) L and R the rotation by kappa q,
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
@@ -31,43 +30,6 @@ from numba import njit
 from flexscale.arrays import FloatArray, IntArray
 
 POSITION, GRADIENT, NUMBERS, BODY_POINT, BODY_VECTOR = range(5)
-
-
-@dataclass(frozen=True)
-class Bend:
-    """Macroscopic curvature [mm-1, positive closes] and its direction [rad from the x axis]."""
-
-    curvature: float
-    direction: float
-
-    @cached_property
-    def tensor(self) -> FloatArray:
-        """(2, 2) curvature tensor of a unit curvature in this direction, n n^T."""
-        n = np.array([np.cos(self.direction), np.sin(self.direction)])
-        return np.outer(n, n)
-
-    @property
-    def base(self) -> FloatArray:
-        """(2, 2) zeros: nothing else bends the sheet."""
-        return np.zeros((2, 2))
-
-
-@dataclass(frozen=True)
-class TensorBend:
-    """Two curvatures at a time: a tensor k = base + curvature [mm-1] times a tensor, each (2, 2).
-
-    Derivatives by the curvature are those by k along the tensor.
-    """
-
-    curvature: float
-    tensor: FloatArray
-    base: FloatArray = field(default_factory=lambda: np.zeros((2, 2)))
-
-
-#: (3, 2, 2) tensors of unit k_xx, k_yy and 2 k_xy.
-UNIT_CURVATURES = np.array(
-    [[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]]
-)
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from flexscale.arrays import FloatArray, IntArray
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.embedding.curvature_map import BODY_POINT, POSITION, Bend, ImageVectors, place_images
+from flexscale.embedding.curvature_map import BODY_POINT, POSITION, ImageVectors, place_images
 from flexscale.mechanics.contact import ScaleContact
 from flexscale.mesh.periodic_mesh import FREE
 

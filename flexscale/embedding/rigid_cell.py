@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend, TensorBend
+from flexscale.embedding.bends import Bend, TensorBend
 from flexscale.embedding.pair_places import (
     Bending,
     Pairs,

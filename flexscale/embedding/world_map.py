@@ -20,8 +20,8 @@ import numpy as np
 from numba import njit
 
 from flexscale.arrays import FloatArray, IntArray
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.curvature_map import (
-    Bend,
     ImageVectors,
     curve_images,
     flat_curvature_rates,

@@ -16,7 +16,8 @@ from flexscale.checks import ANGLE, checked, length, number
 from flexscale.errors import BadInputError
 from flexscale.finite.native_sheet import NativeSheet, check_bends
 from flexscale.finite.sheet_scales import require_moderate_scales
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.bend_line import Line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.native_model import NativeModel, native_model, require_joints
 from flexscale.mesh.obj import write_obj
 from flexscale.mesh.prism_surface import prism_surface

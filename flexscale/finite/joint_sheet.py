@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.rigid_cell import RigidCell
 from flexscale.finite.sheet_scales import SheetScales, require_connected
 from flexscale.homogenize.bent_joints import JointState

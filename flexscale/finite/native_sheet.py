@@ -27,7 +27,8 @@ from flexscale.finite.sheet_scales import (
     require_connected,
     require_moderate_scales,
 )
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.bend_line import Line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.load_series import require_bends
 from flexscale.patterns.laid import LaidPattern, lay_pattern, on_line

@@ -15,9 +15,9 @@ from flexscale.datasets.kinds.sweep import NO_CONTACT_COMMENT
 from flexscale.datasets.sheet_variables import build_sheet_dataset
 from flexscale.finite.native_sheet import NativeSheet, check_bends
 from flexscale.finite.sheet_scales import require_moderate_scales
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_model import NativeModel, native_model, require_joints
 from flexscale.homogenize.run_lines import run_in_turn
 from flexscale.homogenize.sweep import SampleEvent, telling

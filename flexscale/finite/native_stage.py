@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.finite.driven_sheet import Driven, DrivenSheet
 from flexscale.finite.native_sheet import strips_of
 from flexscale.finite.sheet_scales import find_sheet_scales

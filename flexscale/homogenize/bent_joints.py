@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import UNIT_CURVATURES, Bend, TensorBend
+from flexscale.embedding.bends import UNIT_CURVATURES, Bend, TensorBend
 from flexscale.embedding.pair_kernels import LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
 from flexscale.homogenize.keep_many_apart import keep_many_apart

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from flexscale.arrays import FloatArray
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.bodies import Body
 from flexscale.embedding.body_cell import BodyCell
 from flexscale.embedding.body_map import BodySecondOrder, BodyWorld
 from flexscale.embedding.body_pull_back import BodyPullBack
 from flexscale.embedding.cell import CellEmbedding
-from flexscale.embedding.curvature_map import Bend
 from flexscale.embedding.display import Display
 from flexscale.embedding.pull_back import PullBack
 from flexscale.embedding.world_map import SecondOrder, World

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.homogenize.problem import Contact, FlatBends, Problem
 from flexscale.mechanics.contact_gaps import LinearGaps
 from flexscale.solve.unilateral import unilateral_forces

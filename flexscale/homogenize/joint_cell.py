@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import UNIT_CURVATURES, Bend, TensorBend
+from flexscale.embedding.bends import UNIT_CURVATURES, Bend, TensorBend
 from flexscale.embedding.joint_kernels import all_openings
 from flexscale.embedding.rigid_cell import RigidCell, find_rigid_scales
 from flexscale.errors import PatternError

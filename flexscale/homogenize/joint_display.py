@@ -7,7 +7,7 @@ import shapely
 from scipy.spatial import cKDTree
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.rigid_cell import RigidCell
 from flexscale.mechanics.prism_contact import PrismContact
 from flexscale.mesh.options import MeshOptions

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend, TensorBend
+from flexscale.embedding.bends import Bend, TensorBend
 from flexscale.embedding.joint_kernels import Stations, all_openings
 from flexscale.embedding.pair_kernels import SLOTS, assemble
 from flexscale.embedding.rigid_cell import RigidCell, RigidScales, RigidWorld

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend, TensorBend
+from flexscale.embedding.bends import Bend, TensorBend
 
 if TYPE_CHECKING:
     from flexscale.homogenize.problem import Bendable, Contact

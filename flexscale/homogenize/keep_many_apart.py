@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from flexscale.arrays import FloatArray, IntArray
-from flexscale.embedding.curvature_map import Bend, TensorBend
+from flexscale.embedding.bends import Bend, TensorBend
 from flexscale.embedding.pair_kernels import LIFT_ALL, add_springs
 from flexscale.embedding.pair_rates import gap_slopes
 from flexscale.mechanics.barrier import soft_barrier

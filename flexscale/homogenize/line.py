@@ -16,12 +16,10 @@ from typing import Any, cast
 import numpy as np
 
 from flexscale.arrays import FloatArray
-from flexscale.embedding.curvature_map import Bend
 from flexscale.homogenize.bend_line import BendLine
 from flexscale.homogenize.checkpoint import Checkpoint, load_finished
 from flexscale.homogenize.problem import Bendable, Bent
 from flexscale.homogenize.sample import Sample
-from flexscale.sides import SIDE_SIGNS
 from flexscale.solve.continuation import Effort, Stepping, advance
 from flexscale.solve.newton import Solution, solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
@@ -30,49 +28,6 @@ from flexscale.status import SolveStatus
 _STEPPING = Stepping(smallest=1.0 / 256.0)
 _EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
 _TIGHT, _STIFFEN = 0.1, 8.0  # multiply the barrier where gaps fall below this share of d_hat
-
-
-@dataclass(frozen=True)
-class Line:
-    """Samples of one direction and side.
-
-    Attributes
-    ----------
-    side : "closing" or "opening".
-    direction : degrees.
-    curvatures : mm-1, non-negative and increasing.
-    """
-
-    side: str
-    direction: float
-    curvatures: tuple[float, ...]
-
-    @property
-    def key(self) -> str:
-        """Name of the line in a checkpoint."""
-        return f"{self.side}-{self.direction!r}"
-
-    @property
-    def sign(self) -> float:
-        """Of the curvature: closing is positive."""
-        return SIDE_SIGNS[self.side]
-
-    @property
-    def measured(self) -> tuple[str, ...]:
-        """Nothing beyond what samples of all lines have."""
-        return ()
-
-    def bend(self, curvature: float) -> Bend:
-        """The bend of a sample of this line."""
-        return Bend(self.sign * curvature, float(np.radians(self.direction)))
-
-    def accepts(self, cell: Any, state: Any) -> bool:
-        """What is found, is one."""
-        return True
-
-    def measure(self, cell: Any, state: Any) -> dict[str, float]:
-        """Nothing, likewise."""
-        return {}
 
 
 @dataclass

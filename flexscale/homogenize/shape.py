@@ -9,9 +9,10 @@ import numpy as np
 
 from flexscale.datasets.build import build_dataset
 from flexscale.datasets.kinds.shape import SHAPE
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.homogenize.sweep import check_sweep
 from flexscale.patterns import Pattern

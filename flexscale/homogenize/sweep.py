@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from flexscale import checks
 from flexscale.checks import checked, flag, function, series, whole
 from flexscale.errors import UnitRangeError
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.build import build_problem
 from flexscale.homogenize.checkpoint import Checkpoint
 from flexscale.homogenize.errors_at_rest import note_errors
 from flexscale.homogenize.labels import pattern_scalars
-from flexscale.homogenize.line import Line
 from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.homogenize.run_lines import Counts, Teller, run_in_processes
 from flexscale.homogenize.sample import Sample

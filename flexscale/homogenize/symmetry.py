@@ -15,7 +15,7 @@ import numpy as np
 
 from flexscale.arrays import FloatArray
 from flexscale.errors import MeshError
-from flexscale.homogenize.line import Line
+from flexscale.homogenize.bend_line import Line
 from flexscale.patterns import Pattern
 
 SAME_DIRECTION = 1e-9  # degrees

@@ -10,7 +10,7 @@ import numpy as np
 from flexscale.arrays import FloatArray
 from flexscale.datasets.kinds.tensor_sweep import unit_tensors
 from flexscale.datasets.variables import COMPONENTS
-from flexscale.embedding.curvature_map import TensorBend
+from flexscale.embedding.bends import TensorBend
 from flexscale.homogenize.bent_joints import BentJoints, JointState
 
 

@@ -261,11 +261,11 @@ class PrismContact(Barrier):
         found, shares, _ = self.closer(y, d_hat)
         own = np.arange(4) < np.where(table.is_wall[found], 1, 2)[:, None]
         first = np.where(own, shares, 0.0)
-        forces = np.empty(len(found))
-        for k in range(len(found)):
-            on_rows = np.zeros_like(y)
+        forces, on_rows = np.empty(len(found)), np.zeros_like(y)
+        for k, stencil in enumerate(table.stencils[found]):
             _add_gradient(y, table, found[k : k + 1], d_hat, self.stiffness, on_rows)
-            forces[k] = np.linalg.norm(on_rows[table.stencils[found[k], own[k]]].sum(axis=0))
+            forces[k] = np.linalg.norm(on_rows[stencil[own[k]]].sum(axis=0))
+            on_rows[stencil] = 0.0
         return table.stencils[found], np.stack([first, first - shares], axis=1), forces
 
     def force(self, y: FloatArray) -> float:

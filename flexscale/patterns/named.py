@@ -15,7 +15,8 @@ import yaml
 
 from flexscale.checks import require_choice
 from flexscale.errors import PatternError, suggest
-from flexscale.patterns.pattern import MATERIALS, SIZES, Pattern
+from flexscale.patterns.pattern import Pattern
+from flexscale.patterns.pattern_config import MATERIALS, SIZES
 
 
 @dataclass(frozen=True)

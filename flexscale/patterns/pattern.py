@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike
 from flexscale import checks
 from flexscale.arrays import FloatArray
 from flexscale.checks import Check, checked, instance, length, number
-from flexscale.errors import PatternError, SchemaError, shown, suggest
+from flexscale.errors import PatternError, SchemaError, suggest
 from flexscale.names import require_name
 from flexscale.patterns.cell import TiledCell, build_cell
 from flexscale.patterns.corners import ROUNDING
 from flexscale.patterns.drawing import read_drawing
 from flexscale.patterns.gaps import GAP, ONE_GAP, Gap, gaps_of_tiles, narrowest_gap, simplest
 from flexscale.patterns.material import PETG, TPU, NeoHookean, warn_of_soft_scales
+from flexscale.patterns.pattern_config import CUSTOM, MATERIALS, SIZES, read_config
 from flexscale.patterns.polygons import lattice_vector, polygons
 from flexscale.patterns.prototiles import CONGRUENT, Prototile, TileCopy, find_prototiles
 from flexscale.patterns.typed_cell import symmetrized_drawing, typed_cell
@@ -26,8 +27,6 @@ from flexscale.tilings import Tiling
 from flexscale.tilings.drawn_symmetry import TOLERANCE, drawn_symmetry, primitive_cell
 from flexscale.tilings.wallpaper import DrawnSymmetry
 from flexscale.units import AREAS, LENGTHS, require_range
-
-CUSTOM = "custom"
 
 
 def _name(value: Any, label: str) -> str:
@@ -304,32 +303,10 @@ class Pattern:
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Pattern:
         """Rebuild what `to_config` describes; sizes and materials left out take their defaults."""
-        if not isinstance(config, Mapping):
-            raise PatternError(f"A pattern's configuration must be a dict, not {shown(config)}.")
-        values = dict(config)
-        family = values.pop("family", CUSTOM)
-        if not isinstance(family, str):
-            raise PatternError(f"A pattern's family must be a text, not {shown(family)}.")
-        of_family = {"parameters", "edges", "tile_area"}
-        shape = {"tiles", "lattice"} if family == CUSTOM else of_family
-        may_be = {"name", *SIZES, *MATERIALS} | ({"symmetrize"} if family == CUSTOM else set())
-        for key in values:
-            if key not in shape | may_be:
-                raise PatternError(
-                    f"A pattern of family {family!r} has no key {key!r}. "
-                    f"{suggest(key, sorted(shape | may_be))}"
-                )
-        for key in MATERIALS:
-            if key in values:
-                values[key] = _material(key, values[key])
-        if family != CUSTOM:
-            tiling = Tiling(family, values.pop("parameters", None), values.pop("edges", None))
+        tiling, cell, values = read_config(config)
+        if tiling is not None:
             return cls(tiling, **values)
-        if not shape <= values.keys():
-            raise PatternError("A custom pattern needs the keys 'tiles' and 'lattice'.")
-        tiles, lattice = values.pop("tiles"), values.pop("lattice")
-        if not isinstance(lattice, list | tuple | np.ndarray) or len(lattice) != 2:
-            raise PatternError("The key 'lattice' of a custom pattern must hold two vectors in mm.")
+        tiles, lattice = cell
         return cls.from_polygons(tiles, *lattice, **values)
 
     def __eq__(self, other: object) -> bool:
@@ -341,10 +318,6 @@ class Pattern:
     def __repr__(self) -> str:
         gaps = " to ".join(f"{gap:g}" for gap in sorted({min(self.gaps), max(self.gaps)}))
         return f"Pattern({self.name!r}, {self.family}, {self.n_scales} scale(s), gap {gaps} mm)"
-
-
-SIZES = ("gap", "scale_height", "substrate_thickness", "bond_radius")
-MATERIALS = ("scale_material", "substrate_material")
 
 
 def _bond_radius(given: float | None, thickness: float, cell: TiledCell) -> float:
@@ -362,15 +335,3 @@ def _tile_area(cell: TiledCell) -> float:
     if (1.0 - ROUNDING) * AREAS[0] <= area <= (1.0 + ROUNDING) * AREAS[1]:
         return area
     return require_range(area, "tile area", "mm²", *AREAS)
-
-
-def _material(key: str, given: Any) -> NeoHookean:
-    """A material as `to_config` writes it."""
-    if isinstance(given, NeoHookean):
-        return given
-    if not isinstance(given, Mapping) or set(given) != {"young_modulus", "poisson_ratio"}:
-        raise PatternError(
-            f"{key} must have exactly the keys 'young_modulus' (MPa) and 'poisson_ratio', "
-            f"not {shown(given)}."
-        )
-    return NeoHookean(**given)

@@ -84,6 +84,15 @@ def _within_half_turn(values: tuple[float, ...]) -> tuple[float, ...]:
     return increasing(values)
 
 
+def _from_flat(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Validator of curvatures (mm-1) along which a cell is followed: from 0 on, increasing."""
+    if values and values[0] != 0.0:
+        raise PydanticCustomError(
+            "range", "the first curvature must be 0: every sweep starts from the flat sheet", {}
+        )
+    return increasing(values)
+
+
 def _once_each(sides: tuple[str, ...]) -> tuple[str, ...]:
     if len(set(sides)) != len(sides):
         raise PydanticCustomError("twice", "a side is named twice", {})
@@ -92,6 +101,7 @@ def _once_each(sides: tuple[str, ...]) -> tuple[str, ...]:
 
 Sides = Annotated[tuple[Side, ...], several, AfterValidator(_once_each)]
 BendingDirections = Annotated[Directions, AfterValidator(_within_half_turn)]
+CurvaturesFromFlat = Annotated[Curvatures, AfterValidator(_from_flat)]
 
 
 def _default(owner: type, name: str) -> Any:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.patterns import Pattern
 from flexscale.solve.solver_options import SolverOptions
 from tests.derivatives import directional_difference, multiply_upper, relative_error

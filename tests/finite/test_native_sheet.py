@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.errors import BadInputError, ConfigError, PatternError
 from flexscale.finite.native_sheet import NativeSheet, bend_native_sheet
 from flexscale.finite.sheet_scales import find_sheet_scales, require_moderate_scales

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.errors import BadInputError, PatternError
 from flexscale.finite.joint_sheet import JointSheet
 from flexscale.finite.native_sheet import NativeSheet, bend_native_sheet, require_sheet

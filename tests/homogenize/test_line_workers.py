@@ -17,7 +17,7 @@ import flexscale as fs
 from flexscale.datasets.identity import content_digest
 from flexscale.datasets.staging import FileCheckpoint
 from flexscale.homogenize import line_workers
-from flexscale.homogenize.line import Line
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.line_workers import LineWorkers
 from flexscale.processes import ProcessEndedError, describe_end
 

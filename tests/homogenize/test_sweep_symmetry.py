@@ -7,7 +7,7 @@ import pytest
 
 import flexscale as fs
 from flexscale.errors import MeshError
-from flexscale.homogenize.line import Line
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.symmetry import check_line, find_sources, symmetry_error, turn_stretch
 
 COARSE = fs.MeshOptions(along=2.5, corner=1.0, scale_size=5.0, scale_corner=2.5, scale_layers=1)

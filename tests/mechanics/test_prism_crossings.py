@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.homogenize.joint_cell import JointCell
 from flexscale.mechanics.prism_crossings import any_crossing, passes_through
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.scale_options import SCALE_MODELS
 from flexscale.mesh.bare import build_bare_mesh

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import flexscale as fs
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.solve.newton import solve_equilibrium
 from flexscale.solve.solver_options import SolverOptions
 from tests.physics.cells import square

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.errors import PatternError
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.mechanics.layered_law import layered_energy
 from flexscale.mesh.torus import build_mesh
 from flexscale.patterns import Pattern

@@ -11,9 +11,10 @@ import xarray as xr
 
 import flexscale as fs
 from flexscale.errors import BadInputError, UnitRangeError
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
 from flexscale.homogenize.flat_contact import solve_flat_contact
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.solve.solver_options import SolverOptions
 
 COARSE = fs.MeshOptions().finer(0.5)

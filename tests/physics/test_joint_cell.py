@@ -10,10 +10,11 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import UNIT_CURVATURES, Bend, TensorBend
+from flexscale.embedding.bends import UNIT_CURVATURES, Bend, TensorBend
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.bent_joints import JointState
 from flexscale.homogenize.joint_cell import JointCell
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.patterns import Pattern
 from flexscale.patterns.joint_lines import END_LENGTH, find_joints

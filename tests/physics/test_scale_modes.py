@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.embedding.display import Display
 from flexscale.errors import UnknownNameError
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.solve.solver_options import SolverOptions
 from tests.derivatives import directional_difference, relative_error

@@ -9,10 +9,11 @@ import pytest
 
 import flexscale as fs
 from flexscale.datasets.given import read_config
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.cell_model import CellModel
 from flexscale.homogenize.cell_problem import CellProblem
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mesh.bare import build_bare_mesh
 from flexscale.mesh.layers import layer_levels

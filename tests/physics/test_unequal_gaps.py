@@ -10,13 +10,14 @@ import shapely
 from scipy.optimize import brentq, minimize_scalar
 
 import flexscale as fs
-from flexscale.embedding.curvature_map import Bend
+from flexscale.embedding.bends import Bend
 from flexscale.finite.native_sheet import NativeSheet, bend_native_sheet
 from flexscale.finite.sheet_scales import find_sheet_scales
+from flexscale.homogenize.bend_line import Line
 from flexscale.homogenize.flat_contact import solve_flat_contact
 from flexscale.homogenize.joint_cell import JointCell
 from flexscale.homogenize.joint_problem import place_stations
-from flexscale.homogenize.line import Line, follow_line
+from flexscale.homogenize.line import follow_line
 from flexscale.homogenize.tangent import solve_tangent
 from flexscale.mechanics.stacked_laws import stack_laws
 from flexscale.patterns import Pattern

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from pydantic import field_validator
-from pydantic_core import PydanticCustomError
-
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.patterns.pattern import Pattern
-from flexscale.steps.blocks import BendingDirections, Curvatures, Sides, increasing
+from flexscale.steps.blocks import BendingDirections, CurvaturesFromFlat, Sides
 from flexscale.steps.folds import refuse_folds
 from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
@@ -34,17 +31,8 @@ class SweepBlock(StepBlock):
         "below 180",
         min_length=1,
     )
-    curvatures: Curvatures = declared(..., "curvatures, increasing from 0", min_length=1)
+    curvatures: CurvaturesFromFlat = declared(..., "curvatures, increasing from 0", min_length=1)
     symmetry: bool = declared(True, "solve equivalent directions once; false solves all")
-
-    @field_validator("curvatures")
-    @classmethod
-    def _curvatures_from_zero(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        if values[0] != 0.0:
-            raise PydanticCustomError(
-                "range", "the first curvature must be 0: every sweep starts from the flat sheet", {}
-            )
-        return increasing(values)
 
     def n_samples(self, pattern: Pattern) -> int:
         """Those of directions that symmetry does not fill."""

@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import AfterValidator, field_validator
+from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
 from flexscale.datasets.variables import CLOSING_DOME, OPENING_DOME
 from flexscale.homogenize.native_model import NativeModel, require_joints
 from flexscale.mechanics.load_series import RAY_CURVATURES, RAY_DIRECTIONS, RAY_SHAPES
 from flexscale.patterns.pattern import Pattern
-from flexscale.steps.blocks import BendingDirections, Curvatures, Directions, increasing
+from flexscale.steps.blocks import BendingDirections, CurvaturesFromFlat, Directions, increasing
 from flexscale.steps.folds import refuse_folds
 from flexscale.steps.native_inputs import native_of
 from flexscale.steps.quantities import declared
@@ -53,7 +53,7 @@ class TensorSweepBlock(StepBlock):
         "0 closing cylinder, 45 closing dome; increasing",
         min_length=1,
     )
-    curvatures: Curvatures = declared(
+    curvatures: CurvaturesFromFlat = declared(
         RAY_CURVATURES,
         "roots of the sum of squares of the principal curvatures, increasing from 0",
         min_length=1,
@@ -62,15 +62,6 @@ class TensorSweepBlock(StepBlock):
         "free", "the lattice in its plane: free to stretch, or held at its rest lengths"
     )
     symmetry: bool = declared(True, "solve equivalent directions once; false solves all")
-
-    @field_validator("curvatures")
-    @classmethod
-    def _curvatures_from_zero(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        if values[0] != 0.0:
-            raise PydanticCustomError(
-                "range", "the first curvature must be 0: every ray starts from the flat sheet", {}
-            )
-        return increasing(values)
 
     def n_samples(self, pattern: Pattern) -> int:
         """Those of rays that symmetry does not fill."""

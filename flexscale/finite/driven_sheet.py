@@ -16,7 +16,7 @@ from flexscale.arrays import BoolArray, FloatArray
 from flexscale.finite.joint_sheet import FLAT, JointSheet
 from flexscale.finite.sheet_scales import SheetScales
 from flexscale.homogenize.bent_joints import BentJoints, JointState
-from flexscale.homogenize.line import set_barrier
+from flexscale.homogenize.line import passed_through, set_barrier
 from flexscale.homogenize.native_model import NativeModel
 from flexscale.mechanics.energy import NOTHING
 from flexscale.solve.continuation import Stepping, advance
@@ -205,6 +205,8 @@ def follow_loads(
             options = options.for_a_sample()
             point, solution, iterations = _reach(sheet, point, load, options, start)
             status = solution.status
+            if status == SolveStatus.converged and passed_through(sheet, solution):
+                status = SolveStatus.infeasible_start
             sample |= {"status": int(status), "newton_iterations": iterations}
         if status == SolveStatus.converged and point is not None:
             sample |= _measure(sheet, point, solution)

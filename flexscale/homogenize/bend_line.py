@@ -33,9 +33,6 @@ class BendLine(Protocol):
     def bend(self, curvature: float) -> Any:
         """The bend at a magnitude of the curvature, mm-1."""
 
-    def accepts(self, cell: Any, state: Any) -> bool:
-        """Whether a state found for a sample can be one of the bent cell."""
-
     def measure(self, cell: Any, state: Any) -> dict[str, float]:
         """Numbers of a state of the bent cell that samples have beyond those of all lines."""
 
@@ -76,10 +73,6 @@ class Line:
     def bend(self, curvature: float) -> Bend:
         """The bend of a sample of this line."""
         return Bend(self.sign * curvature, float(np.radians(self.direction)))
-
-    def accepts(self, cell: Any, state: Any) -> bool:
-        """What is found, is one."""
-        return True
 
     def measure(self, cell: Any, state: Any) -> dict[str, float]:
         """Nothing, likewise."""

@@ -13,7 +13,6 @@ from flexscale.embedding.pair_kernels import LIFT_ALL, LIFT_CONTACT
 from flexscale.embedding.rigid_cell import RigidWorld
 from flexscale.homogenize.keep_many_apart import keep_many_apart
 from flexscale.mechanics.energy import ALL, NOTHING
-from flexscale.mechanics.prism_crossings import any_crossing
 from flexscale.solve.constraint import ConstrainedSystem
 from flexscale.solve.unconstrained import UnconstrainedSystem
 
@@ -105,11 +104,6 @@ class BentJoints:
     def keep_apart(self, state: JointState, wanted: FloatArray) -> FloatArray | None:
         """A state near a wanted one to which no scales meet on the way from `state`."""
         return keep_many_apart(self.problem, state.world.y, wanted, self.bend)
-
-    def crosses(self, state: JointState) -> bool:
-        """Whether scales are in one another."""
-        contact = self.problem.contact
-        return contact is not None and any_crossing(state.world.y, contact.rows.table)
 
     def tensor_moments(self, state: JointState) -> FloatArray:
         """(3,) (1/A) dE/dk by k_xx, k_yy and 2 k_xy at fixed z [N]; see `moment`."""

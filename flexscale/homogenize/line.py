@@ -121,8 +121,7 @@ def follow_line(
                 if solution.status != SolveStatus.converged:
                     break
         status = solution.status
-        cell = problem.bent(line.bend(curvature))
-        if status == SolveStatus.converged and not line.accepts(cell, solution.evaluation):
+        if status == SolveStatus.converged and passed_through(problem, solution):
             status = SolveStatus.infeasible_start
         sample = {
             "curvature": curvature,
@@ -191,6 +190,12 @@ def set_barrier(problem: Bendable, sample: Mapping[str, Any] | None) -> None:
         tight = sample["min_gap"] < _TIGHT * problem.contact.activation_distance
         stiffness = sample["barrier_stiffness"] * (_STIFFEN if tight else 1.0)
     _set_stiffness(problem, stiffness)
+
+
+def passed_through(problem: Bendable, solution: Solution) -> bool:
+    """Whether scales are in one another, so that a solution is no state of theirs."""
+    contact = problem.contact
+    return contact is not None and contact.intersects(solution.evaluation.world.y)
 
 
 def _set_stiffness(problem: Bendable, stiffness: float) -> None:

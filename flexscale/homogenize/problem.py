@@ -40,6 +40,9 @@ class Contact(Protocol):
     def free_share(self, start: FloatArray, end: FloatArray) -> float:
         """Share of the straight way between two y on which nothing passes through."""
 
+    def intersects(self, y: FloatArray) -> bool:
+        """Whether things have passed through one another."""
+
     def smallest_distance(self, y: FloatArray, reach: float) -> float:
         """Smallest distance, mm; infinite beyond `reach`."""
 

@@ -49,10 +49,6 @@ class TensorLine:
         """The bend of a sample of this line."""
         return TensorBend(curvature, self.tensor)
 
-    def accepts(self, cell: BentJoints, state: JointState) -> bool:
-        """Whether no scales have passed through others, where there is no room for them."""
-        return not cell.crosses(state)
-
     def measure(self, cell: BentJoints, state: JointState) -> dict[str, float]:
         """Moments [N] and in-plane forces [N mm-1] of a state by their components."""
         numbers = np.concatenate([cell.tensor_moments(state), cell.membrane_forces(state)])

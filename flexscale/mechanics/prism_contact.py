@@ -19,6 +19,7 @@ from flexscale.mechanics.prism_candidates import (
     barrier_energy,
     closer_than,
 )
+from flexscale.mechanics.prism_crossings import any_crossing
 from flexscale.mechanics.prism_kernels import N_WORK, barrier_jet
 
 _BASE, _TOP = 0, 1
@@ -243,8 +244,8 @@ class PrismContact(Barrier):
         return LinearGaps(matrix, arrows / distances[:, None], distances, pairs)
 
     def intersects(self, y: FloatArray) -> bool:
-        """Whether things that can meet are in one another: at rest, neighbors stand apart."""
-        return self.closer(y, self.activation_distance)[2] <= 0.0
+        """Whether scales are in one another."""
+        return bool(any_crossing(y, self.rows.table))
 
     def smallest_distance(self, y: FloatArray, reach: float) -> float:
         """Smallest distance between scales, mm; infinite beyond `reach`."""

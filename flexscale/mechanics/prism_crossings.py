@@ -1,7 +1,8 @@
 """Whether prisms are in one another: an edge of one passes through a wall of the other.
 
-Barrier and collision detection keep scales apart as long as there is room. Where there is none, as
-in a lattice that is held, a state may be found to which scales have passed through one another.
+Barrier and collision detection keep scales apart on the way from one state of a bend to another.
+Between bends there is no way, only a guess: where there is no room, as in a lattice that is held, a
+state may be found to which scales have passed through one another.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from flexscale.arrays import FloatArray
+from flexscale.arrays import FloatArray, IntArray
 from flexscale.mechanics.prism_candidates import Candidates
 
 
@@ -22,9 +23,9 @@ def any_crossing(y: FloatArray, table: Candidates) -> bool:
     for k in range(len(table.starts) - 1):
         first, last = table.starts[k], table.starts[k + 1]
         for s in range(first, last):
-            if not table.is_wall[s]:
-                continue
             wall = table.stencils[s]
+            if not table.is_wall[s] or not _on_both_sides(y, table, k, wall):
+                continue
             for other in range(first, last):
                 if table.is_wall[other]:
                     continue
@@ -35,6 +36,19 @@ def any_crossing(y: FloatArray, table: Candidates) -> bool:
                     ):
                         return True
     return False
+
+
+@njit(cache=True, error_model="numpy")
+def _on_both_sides(y: FloatArray, table: Candidates, k: int, wall: IntArray) -> bool:
+    """Whether pair k has corners of the other scale on both sides of the plane of a wall."""
+    corner = y[wall[1]]
+    normal = np.cross(y[wall[2]] - corner, y[wall[3]] - corner)
+    before, behind = False, False
+    for r in range(table.row_starts[k], table.row_starts[k + 1]):
+        if table.second[r] != table.second[wall[1]]:
+            height = np.dot(y[r] - corner, normal)
+            before, behind = before or height > 0.0, behind or height < 0.0
+    return before and behind
 
 
 @njit(cache=True, error_model="numpy")

@@ -221,12 +221,60 @@ def barrier_jet(
 
 
 @njit(cache=True, error_model="numpy")
+def _from_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> float:
+    """Squared distance of a point from a segment."""
+    length, along, squared = 0.0, 0.0, 0.0
+    for c in range(3):
+        way, arrow = end[c] - start[c], point[c] - start[c]
+        length, along, squared = length + way * way, along + way * arrow, squared + arrow * arrow
+    if length > 0.0:
+        t = min(max(along / length, 0.0), 1.0)
+        squared = 0.0
+        for c in range(3):
+            arrow = point[c] - start[c] - t * (end[c] - start[c])
+            squared += arrow * arrow
+    return squared
+
+
+@njit(cache=True, error_model="numpy")
+def squared_on_the_way(is_wall: bool, x: FloatArray) -> float:
+    """Squared distance of a candidate on the straight way between two states.
+
+    There walls are sheared, since corners do not go straight where scales turn: the nearest point
+    of a parallelogram is not where those of its sides are, as `nearest` has it. And edges that are
+    almost parallel count like all others.
+    """
+    if is_wall:
+        e, f, r = x[2] - x[1], x[3] - x[1], x[0] - x[1]
+        ee, ef, ff, re, rf = _dot(e, e), _dot(e, f), _dot(f, f), _dot(r, e), _dot(r, f)
+        det = ee * ff - ef * ef
+        a, b = (ff * re - ef * rf) / det, (ee * rf - ef * re) / det
+        if 0.0 <= a <= 1.0 and 0.0 <= b <= 1.0:
+            r = r - a * e - b * f
+            return _dot(r, r)
+        far = x[2] + f
+        low = min(_from_segment(x[0], x[1], x[2]), _from_segment(x[0], x[3], far))
+        return min(low, _from_segment(x[0], x[1], x[3]), _from_segment(x[0], x[2], far))
+    least = min(_from_segment(x[0], x[2], x[3]), _from_segment(x[1], x[2], x[3]))
+    least = min(least, _from_segment(x[2], x[0], x[1]), _from_segment(x[3], x[0], x[1]))
+    u, v, r = x[1] - x[0], x[3] - x[2], x[0] - x[2]
+    uu, uv, vv, ur, vr = _dot(u, u), _dot(u, v), _dot(v, v), _dot(u, r), _dot(v, r)
+    det = uu * vv - uv * uv
+    if det > 0.0:
+        s, t = (uv * vr - vv * ur) / det, (uu * vr - uv * ur) / det
+        if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
+            r = r + s * u - t * v
+            least = min(least, _dot(r, r))
+    return least
+
+
+@njit(cache=True, error_model="numpy")
 def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps: int) -> float:
     """Share of a candidate's straight way, (4, 3) to (4, 3), on which nothing passes through.
 
     Additive conservative advancement (Li et al. 2021): no step is longer than the distance.
     """
-    shares, way = np.empty(4), end - start
+    way = end - start
     mean = 0.25 * (way[0] + way[1] + way[2] + way[3])
     lengths = np.empty(5)
     for k in range(4):
@@ -238,13 +286,13 @@ def free_share_of(is_wall: bool, start: FloatArray, end: FloatArray, most_steps:
         speed = lengths[0] + wall
     else:
         speed = max(lengths[0], lengths[1]) + max(lengths[2], lengths[3])
-    distance = np.sqrt(nearest(is_wall, start, shares)[0])
+    distance = np.sqrt(squared_on_the_way(is_wall, start))
     if distance > speed:
         return 1.0
     stop, done = 0.1 * distance, 0.0
     step = _SHARE * distance / speed
     for _ in range(most_steps):
-        distance = np.sqrt(nearest(is_wall, start + (done + step) * way, shares)[0])
+        distance = np.sqrt(squared_on_the_way(is_wall, start + (done + step) * way))
         if done > 0.0 and distance < stop:
             return done
         done += step

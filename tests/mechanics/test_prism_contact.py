@@ -15,6 +15,7 @@ from flexscale.mechanics.prism_kernels import (
     energy_of,
     free_share_of,
     nearest,
+    squared_on_the_way,
 )
 from tests.derivatives import directional_difference, relative_error
 from tests.mechanics.test_jets import hessian_of
@@ -36,23 +37,44 @@ def candidate(seed: int, is_wall: bool) -> np.ndarray:
     return rows @ Rotation.random(random_state=seed).as_matrix().T
 
 
+def squared_distance(is_wall: bool, x: np.ndarray) -> float:
+    """The same by a search over the points of both things."""
+    first = np.zeros((2, 3)) if is_wall else np.array([x[1] - x[0], np.zeros(3)])
+    second = np.array([x[2] - x[1], x[3] - x[1]] if is_wall else [np.zeros(3), x[3] - x[2]])
+    rest, ways = x[0] - x[1 if is_wall else 2], first - second
+
+    def squared(p: np.ndarray) -> tuple[float, np.ndarray]:
+        arrow = rest + p @ ways
+        return float(arrow @ arrow), 2.0 * ways @ arrow
+
+    def search(p: tuple[float, float]) -> float:
+        options = {"ftol": 1e-16, "gtol": 1e-14}
+        found = minimize(squared, p, jac=True, bounds=[(0.0, 1.0)] * 2, options=options)
+        return float(found.fun)
+
+    return min(search(p) for p in ((0.5, 0.5), (0.0, 1.0), (1.0, 0.0)))
+
+
 @pytest.mark.parametrize("is_wall", [True, False])
 def test_distances_are_those_of_the_nearest_points(is_wall: bool) -> None:
     for seed in range(40):
         x = candidate(seed, is_wall)
-
-        def squared(p: np.ndarray, x: np.ndarray = x) -> float:
-            if is_wall:
-                arrow = x[0] - x[1] - p[0] * (x[2] - x[1]) - p[1] * (x[3] - x[1])
-            else:
-                arrow = x[0] + p[0] * (x[1] - x[0]) - x[2] - p[1] * (x[3] - x[2])
-            return float(arrow @ arrow)
-
-        found = min(
-            minimize(squared, start, bounds=[(0.0, 1.0)] * 2, tol=1e-14).fun
-            for start in ((0.5, 0.5), (0.0, 1.0), (1.0, 0.0))
-        )
+        found = squared_distance(is_wall, x)
         assert nearest(is_wall, x, np.empty(4))[0] == pytest.approx(found, rel=1e-6)
+        assert squared_on_the_way(is_wall, x) == pytest.approx(found, rel=1e-6)
+
+
+def test_distances_from_sheared_walls_and_of_parallel_edges() -> None:
+    """Corners go straight where scales turn, so that walls are no rectangles on the way."""
+    for seed in range(40):
+        x = candidate(seed, True)
+        x[3] += np.random.default_rng(seed).uniform(-0.6, 0.6) * (x[2] - x[1])
+        assert squared_on_the_way(True, x) == pytest.approx(squared_distance(True, x), rel=1e-6)
+    x = candidate(1, False)
+    for slant in (0.0, 1e-9, 1e-6, 1e-5, 1e-4):
+        x[2:] = x[:2] + np.array([[0.0, 0.0, 0.1], [0.0, slant, 0.1]])
+        x[2:] += 0.5 * (x[1] - x[0])
+        assert squared_on_the_way(False, x) == pytest.approx(squared_distance(False, x), rel=1e-6)
 
 
 @pytest.mark.parametrize("is_wall", [True, False])
@@ -101,6 +123,26 @@ def test_nothing_passes_through_on_the_free_part_of_a_way() -> None:
         if inside:  # the corner is before the wall, and would go through it
             assert share < 1.0
             assert along[-1] < 0.5**2 * before
+
+
+def test_nothing_passes_through_walls_that_turn() -> None:
+    """A corner close before a wall that turns about its diagonal, so that it is sheared midway."""
+    for seed in range(20):
+        generator = np.random.default_rng(seed)
+        near = 10.0 ** -generator.uniform(3.0, 5.0)
+        rest = np.array([[0.3, 0.4, near], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+        turned = rest @ Rotation.from_rotvec([0.2, 0.2, 0.0]).as_matrix().T
+        turned[0] = [0.3, 0.4, turned[0, 2] - 1.5 * near]
+        share = free_share_of(True, rest, turned, 10_000)
+
+        def height(s: float, x: np.ndarray = rest, end: np.ndarray = turned) -> float:
+            y = x + s * (end - x)
+            normal = np.cross(y[2] - y[1], y[3] - y[1])
+            return float((y[0] - y[1]) @ normal / np.linalg.norm(normal))
+
+        assert height(1.0) < 0.0
+        assert min(height(s) for s in np.linspace(0.0, share, 1000)) > 0.0
+        assert share > 0.0
 
 
 def build() -> tuple[PrismContact, np.ndarray]:

@@ -283,6 +283,18 @@ def test_coupling_is_that_of_strain_and_curvature_together() -> None:
     assert force == pytest.approx(tangent.coupling @ k, rel=0.01, abs=1e-3 * np.abs(force).max())
 
 
+def test_chevrons_that_turn_against_one_another_stay_apart() -> None:
+    """Corners slide along walls that turn; energy rises faster than the curvature to the end."""
+    problem, line = cell("chevron"), Line("closing", 45.0, tuple(0.0025 * np.arange(1, 13)))
+    samples = list(follow_line(problem, line, fs.SolverOptions()))
+    assert {sample["status"] for sample in samples} == {SolveStatus.converged}
+    for sample in samples:
+        state = problem.bent(line.bend(sample["curvature"])).evaluate(sample["state"])
+        assert not problem.contact.intersects(state.world.y)
+    energies = np.array([sample["energy_density"] for sample in samples])
+    assert (np.diff(energies) > 0.0).all()
+
+
 def test_small_scales_beside_wide_gaps_can_touch() -> None:
     """What can meet is sought farther than the gap, however small the tiles."""
     small = Pattern.from_polygons([0.2 * SQUARE], [2.0, 0.0], [0.0, 2.0], gap=0.6, scale_height=4.0)

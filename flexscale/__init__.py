@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flexscale.macro.fit import fit
     from flexscale.macro.gap_model import GapModel, gap_model
     from flexscale.macro.model import MacroModel
+    from flexscale.macro.tensor_model import TensorModel, tensor_model
     from flexscale.mechanics.contact_options import ContactOptions
     from flexscale.mechanics.joint_law import JointLaw
     from flexscale.mechanics.scale_options import ScaleOptions
@@ -69,6 +70,7 @@ __all__ = [
     "SolidOptions",
     "SolverOptions",
     "SubstrateOptions",
+    "TensorModel",
     "Tiling",
     "between",
     "contact_onset",
@@ -91,6 +93,7 @@ __all__ = [
     "sweep",
     "synthesize_scales",
     "tangent_stiffness",
+    "tensor_model",
     "tensor_sweep",
 ]
 
@@ -115,6 +118,7 @@ PUBLIC_HOMES = {
     "ScaleOptions": "flexscale.mechanics.scale_options",
     "SolverOptions": "flexscale.solve.solver_options",
     "SubstrateOptions": "flexscale.mechanics.substrate_options",
+    "TensorModel": "flexscale.macro.tensor_model",
     "Tiling": "flexscale.tilings",
     "between": "flexscale.datasets.registry",
     "contact_onset": "flexscale.datasets.onset",
@@ -136,6 +140,7 @@ PUBLIC_HOMES = {
     "sweep": "flexscale.homogenize.sweep",
     "synthesize_scales": "flexscale.synthesis.scaled_sheet",
     "tangent_stiffness": "flexscale.homogenize.tangent",
+    "tensor_model": "flexscale.macro.tensor_model",
     "tensor_sweep": "flexscale.homogenize.tensor_sweep",
 }
 

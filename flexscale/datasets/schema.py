@@ -15,6 +15,7 @@ from flexscale.datasets.kinds import (
     sheet,
     sweep,
     tangent,
+    tensor_model,
     tensor_sweep,
     turned_sheet,
 )
@@ -31,6 +32,7 @@ SCHEMAS: dict[str, Schema] = {
         shape.SHAPE,
         fit.FIT,
         gap_model.GAP_MODEL,
+        tensor_model.TENSOR_MODEL,
         joint.JOINT,
         sheet.SHEET,
         turned_sheet.TURNED_SHEET,

@@ -23,20 +23,15 @@ from flexscale.datasets.given import read_labels, require_variables
 from flexscale.datasets.kinds.gap_model import build_gap_model_dataset
 from flexscale.homogenize.native_model import NativeModel, native_model
 from flexscale.macro import gap_law
+from flexscale.macro.bending_model import BendingModel
 from flexscale.macro.biaxial import MOST_W_BIAXIAL, choose_w_biaxial
 from flexscale.macro.harmonics import stiffness_harmonics
 from flexscale.macro.law_table import build_rest_table
 from flexscale.macro.rest_stiffness import read_rest_stiffness, require_same_cell
 from flexscale.macro.samples import Samples, read_samples
-from flexscale.macro.tensors import (
-    evaluate_tensors,
-    require_tensors,
-    uniaxial_tensors,
-    unit_vectors,
-    warn_beyond_tensors,
-)
+from flexscale.macro.tensors import require_tensors, uniaxial_tensors, warn_beyond_tensors
 from flexscale.mechanics.sheet_law import SheetLaw
-from flexscale.sides import SIDES, side_sign
+from flexscale.sides import SIDES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,7 +56,7 @@ _GAPS = ("distances", "slopes", "compliance")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GapModel:
+class GapModel(BendingModel):
     """Bending response of a scaled sheet to any curvature tensor, from its flat cell.
 
     Attributes
@@ -84,30 +79,9 @@ class GapModel:
     labels: Mapping[str, float | str] = field(default_factory=dict)
     largest_curvature: float = LARGEST_CURVATURE
 
-    def energy(
-        self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
-    ) -> FloatArray:
-        """Energy per area [N mm-1]; curvature (mm-1, >= 0) and direction (degree) broadcast."""
-        return self.tensor_energy(uniaxial_tensors(curvature, direction, side))
-
-    def moment(
-        self, curvature: ArrayLike, direction: ArrayLike, side: str = "closing"
-    ) -> FloatArray:
-        """Bending moment per width [N] in the direction of the curvature, >= 0."""
-        n = unit_vectors(direction)
-        tensors = self.tensor_moment(uniaxial_tensors(curvature, direction, side))
-        along = np.einsum("...i,...ij,...j->...", n, tensors, n)
-        return side_sign(side) * along
-
-    def tensor_energy(self, curvature: ArrayLike) -> FloatArray:
-        """Bending energy per area [N mm-1] of curvature tensors (…, 2, 2) in mm-1, closing > 0."""
+    def warn_beyond(self, curvature: ArrayLike) -> None:
+        """One warning if a principal curvature is beyond `largest_curvature`."""
         warn_beyond_tensors(curvature, self.largest_curvature)
-        return evaluate_tensors(curvature, self.sheet_law())[0]
-
-    def tensor_moment(self, curvature: ArrayLike) -> FloatArray:
-        """Moments per width (…, 2, 2) in N: derivative of `tensor_energy` by the tensor."""
-        warn_beyond_tensors(curvature, self.largest_curvature)
-        return evaluate_tensors(curvature, self.sheet_law())[1]
 
     def onset(self, direction: ArrayLike, side: str = "closing") -> FloatArray:
         """Curvature [mm-1] at which scales meet, bent in a direction (degree); inf for never.

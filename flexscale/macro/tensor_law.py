@@ -43,8 +43,8 @@ def energy(e: FloatArray, b: FloatArray, parameters: FloatArray) -> float:
     """Energy per rest area [N mm-1]; e, b (3,), parameters a table (60,)."""
     strain, curvature = (0.5 * e[0], 0.5 * e[2], e[1]), (b[0], b[2], 2.0 * b[1])
     det = b[0] * b[2] - b[1] * b[1]
-    value = _quadratic(parameters, IN_PLANE, strain)
-    bent, softening = _quadratic(parameters, TANGENT, curvature), parameters[SOFTENING]
+    value = quadratic(parameters, IN_PLANE, strain)
+    bent, softening = quadratic(parameters, TANGENT, curvature), parameters[SOFTENING]
     value += np.log1p(softening * bent) / softening if softening > 0.0 else bent
     value += 0.5 * parameters[BIAXIAL] * det * det
     if not _has_directions(b, parameters):
@@ -70,9 +70,9 @@ def law(
     grad[:] = 0.0
     hess[:] = 0.0
     strain, curvature = (0.5 * e[0], 0.5 * e[2], e[1]), (b[0], b[2], 2.0 * b[1])
-    _add_quadratic(parameters, IN_PLANE, strain, (0.5, 0.5, 1.0), 0, grad, hess)
-    _add_quadratic(parameters, TANGENT, curvature, (1.0, 1.0, 2.0), 3, grad, hess)
-    _soften(parameters[SOFTENING], _quadratic(parameters, TANGENT, curvature), grad, hess)
+    add_quadratic(parameters, IN_PLANE, strain, (0.5, 0.5, 1.0), 0, grad, hess)
+    add_quadratic(parameters, TANGENT, curvature, (1.0, 1.0, 2.0), 3, grad, hess)
+    _soften(parameters[SOFTENING], quadratic(parameters, TANGENT, curvature), grad, hess)
     _add_biaxial(parameters[BIAXIAL], b, grad, hess)
     if not _has_directions(b, parameters):
         return
@@ -107,23 +107,30 @@ def _places(kappa: float) -> tuple[int, int, int]:
 
 
 @njit(cache=True)
-def _entry(i: int, j: int) -> int:
+def entry_index(i: int, j: int) -> int:
     """Place of entry (i, j) of a symmetric matrix among its six."""
     low, high = min(i, j), max(i, j)
     return low * (5 - low) // 2 + high
 
 
 @njit(cache=True)
-def _quadratic(table: FloatArray, at: int, x: tuple[float, float, float]) -> float:
+def entry_of(table: FloatArray, at: int, i: int, j: int) -> float:
+    """Entry (i, j) of a symmetric (3, 3) matrix that a table holds from `at` on."""
+    return table[at + entry_index(i, j)]
+
+
+@njit(cache=True)
+def quadratic(table: FloatArray, at: int, x: tuple[float, float, float]) -> float:
+    """½ x·M x."""
     value = 0.0
     for i in range(3):
         for j in range(3):
-            value += 0.5 * table[at + _entry(i, j)] * x[i] * x[j]
+            value += 0.5 * table[at + entry_index(i, j)] * x[i] * x[j]
     return value
 
 
 @njit(cache=True)
-def _add_quadratic(
+def add_quadratic(
     table: FloatArray,
     at: int,
     x: tuple[float, float, float],
@@ -136,7 +143,7 @@ def _add_quadratic(
     order = (0, 2, 1)
     for i in range(3):
         for j in range(3):
-            stiffness = table[at + _entry(i, j)] * scale[i]
+            stiffness = table[at + entry_index(i, j)] * scale[i]
             grad[first + order[i]] += stiffness * x[j]
             if hess.shape[0] > 0:
                 hess[first + order[i], first + order[j]] += stiffness * scale[j]

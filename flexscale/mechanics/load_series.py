@@ -16,11 +16,12 @@ SHORTENINGS = (0.5, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0)
 #: degree, where the mandrel pushes the rim of a disc of scales if nothing else is said.
 RIM_ANGLES = tuple(5.0 * k for k in range(72))
 
-#: Rays of a tensor sweep if nothing else is said: degree, degree and mm-1. Scales of the usual
-#: height meet at 0.005 to 0.02 mm-1, which the samples tell to a few hundredths on every ray.
-RAY_DIRECTIONS = tuple(15.0 * k for k in range(12))
-RAY_SHAPES = tuple(-135.0 + 15.0 * k for k in range(13))
-RAY_CURVATURES = tuple(round(0.0005 * k, 4) for k in range(61))
+#: Rays of a tensor sweep if nothing else is said: degree, degree and mm-1. Directions map to
+#: themselves by the symmetry of two-, three-, four- and sixfold patterns; shapes have cylinders,
+#: domes and saddles.
+RAY_DIRECTIONS = tuple(10.0 * k for k in range(18))
+RAY_SHAPES = tuple(-135.0 + 9.0 * k for k in range(21))
+RAY_CURVATURES = tuple(round(0.001 * k, 3) for k in range(31))
 
 
 def finite_series(values: ArrayLike, name: str, unit: str) -> FloatArray:

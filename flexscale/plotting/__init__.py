@@ -12,6 +12,7 @@ from flexscale.plotting.scaled_sheet import scaled_sheet
 from flexscale.plotting.scene import cell
 from flexscale.plotting.sheets import sheet
 from flexscale.plotting.style import flexscale_style
+from flexscale.plotting.tensor_models import tensor_model
 from flexscale.plotting.tensor_sweeps import tensor_sweep
 from flexscale.plotting.turned_sheets import native_turned_sheet, turned_sheet
 
@@ -30,6 +31,7 @@ __all__ = [
     "scaled_sheet",
     "sheet",
     "stiffness",
+    "tensor_model",
     "tensor_sweep",
     "turned_sheet",
 ]

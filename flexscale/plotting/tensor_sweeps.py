@@ -58,16 +58,16 @@ def tensor_sweep(sweep: xr.Dataset, curvature: float | None = None) -> Figure:
         figure.suptitle(f"{subject(sweep)}: {sweep['in_plane'].item()} in its plane".lstrip(": "))
         left, right = figure.subplots(1, 2, sharey=True)
         title = f"energy / energy of the flat sheet's stiffness\nat {kappa[index]:g} {unit}"
-        _draw_map(left, sweep, ratio, title, logarithmic=True)
+        draw_map(left, sweep, ratio, title, logarithmic=True)
         notes = ["gray: not converged"] if np.isnan(ratio).any() else []
         if "contact_pairs" in sweep:
             onset = contact_onsets(sweep)
-            _draw_map(right, sweep, onset, f"curvature of first contact\n[{unit}]")
+            draw_map(right, sweep, onset, f"curvature of first contact\n[{unit}]")
             if np.isnan(onset).any():
                 notes.append(f"right, gray: no contact met up to {kappa[-1]:g} {unit}")
         else:
             right.set_axis_off()
-        _name_shapes(left)
+        name_shapes(left)
         add_note(figure, notes)
     return figure
 
@@ -95,10 +95,10 @@ def contact_onsets(sweep: xr.Dataset) -> FloatArray:
     return np.where(touches.any(axis=-1), middle, np.nan)
 
 
-def _draw_map(
+def draw_map(
     axes: Axes, sweep: xr.Dataset, values: FloatArray, title: str, *, logarithmic: bool = False
 ) -> None:
-    """Values (n_directions, n_shapes) as cells around their samples."""
+    """Values (n_directions, n_shapes) as cells around their samples, on the axes of a sweep."""
     axes.set_title(title)
     axes.xaxis.set_major_locator(MultipleLocator(30.0))
     axes.set_xlabel("direction of the larger curvature [°]")
@@ -139,7 +139,8 @@ def _edges(values: ArrayLike) -> FloatArray:
     return np.concatenate([[ends[0]], middles, [ends[1]]])
 
 
-def _name_shapes(axes: Axes) -> None:
+def name_shapes(axes: Axes) -> None:
+    """Names of domes, cylinders and saddles on the axis of shapes."""
     low, high = axes.get_ylim()
     named = {place: name for place, name in _NAMED.items() if low <= place <= high}
     axes.set_yticks(list(named), [f"{name}\n{place:g}°" for place, name in named.items()])

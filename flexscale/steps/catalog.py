@@ -18,6 +18,7 @@ from flexscale.steps.kinds import (
     sheet,
     sweep,
     tangent,
+    tensor_model,
     tensor_sweep,
     turned_sheet,
 )
@@ -35,6 +36,7 @@ STEPS: dict[str, Step] = {
         shape.SHAPE,
         fit.FIT,
         gap_model.GAP_MODEL,
+        tensor_model.TENSOR_MODEL,
         sheet.SHEET,
         turned_sheet.TURNED_SHEET,
         native_sheet.NATIVE_SHEET,

@@ -11,7 +11,7 @@ from flexscale.macro.corrected_gap_law import spline_rows
 from flexscale.macro.tensor_samples import TensorSamples
 
 N_CELLS = 12  # of the grid in each direction; scales meet along rays that are some 0.01 mm-1 apart
-SMOOTHNESS = 0.1  # weight of third differences; see benchmarks/laws.py
+SMOOTHNESS = 0.3  # weight of third differences; less follows samples closer and is less convex
 _RIDGE = 1e-3  # weight of coefficients, which none but corners of the grid feel
 _MOMENTS = 0.5  # weight of moments beside energies
 

@@ -85,7 +85,9 @@ def figures(
 
 @app.command(help=EXPORT_HELP)
 def export(
-    dataset: Annotated[str, typer.Argument(help="Id of a fit, a gap_model or a tangent.")],
+    dataset: Annotated[
+        str, typer.Argument(help="Id of a fit, a gap_model, a tensor_model or a tangent.")
+    ],
     to: Annotated[str, typer.Option(help=f"Format: {', '.join(FORMATS)}.")],
     output: Annotated[
         Path | None, typer.Option(help="File to write; named after the dataset if not given.")

@@ -19,8 +19,8 @@ def export(what: Any, *, to: str, path: str | Path, replace: bool = False) -> Pa
 
     Parameters
     ----------
-    what : dataset of kind fit, gap_model or tangent, or what `fs.fit`, `fs.gap_model` or
-        `fs.tangent_stiffness` returns.
+    what : dataset of kind fit, gap_model, tensor_model or tangent, or what `fs.fit`,
+        `fs.gap_model`, `fs.tensor_model` or `fs.tangent_stiffness` returns.
     to : the format: laminate-json, laminate-csv, table-netcdf, table-csv, hylc, abaqus, calculix,
         c-header or python-function.
     path : of the file to write, complete or not there at all.

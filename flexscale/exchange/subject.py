@@ -16,13 +16,13 @@ from flexscale.errors import BadInputError, shown
 from flexscale.exchange.laminate import Laminate
 
 if TYPE_CHECKING:
-    from flexscale.macro.gap_model import GapModel
+    from flexscale.macro.bending_model import BendingModel
     from flexscale.macro.model import MacroModel
 
-KINDS = ("fit", "gap_model", "tangent")
+KINDS = ("fit", "gap_model", "tangent", "tensor_model")
 _HOW = (
-    "give a dataset of kind fit, gap_model or tangent, or what fs.fit, fs.gap_model or "
-    "fs.tangent_stiffness returns"
+    "give a dataset of kind fit, gap_model, tensor_model or tangent, or what fs.fit, "
+    "fs.gap_model, fs.tensor_model or fs.tangent_stiffness returns"
 )
 
 
@@ -41,7 +41,7 @@ class Subject:
     source: str
     labels: Mapping[str, float | str]
     laminate: Laminate | None = None
-    model: MacroModel | GapModel | None = None
+    model: MacroModel | BendingModel | None = None
 
     @property
     def name(self) -> str:
@@ -80,12 +80,13 @@ class Subject:
             )
         return self.laminate
 
-    def require_model(self, what: str) -> MacroModel | GapModel:
+    def require_model(self, what: str) -> MacroModel | BendingModel:
         """The law, or a refusal."""
         if self.model is None:
             raise BadInputError(
                 f"{what} needs a law of any curvature, and {self.source} is the stiffness at rest "
-                "alone: give a fit or a gap model (fs.fit, fs.gap_model), or export it as "
+                "alone: give a fit, a gap model or a tensor model (fs.fit, fs.gap_model, "
+                "fs.tensor_model), or export it as "
                 "laminate-json, abaqus or calculix."
             )
         return self.model
@@ -125,6 +126,10 @@ def _of_dataset(dataset: xr.Dataset) -> Subject:
         from flexscale.macro.model import MacroModel
 
         return _of_model(MacroModel.from_dataset(dataset), source)
+    if kind == "tensor_model":
+        from flexscale.macro.tensor_model import TensorModel
+
+        return _of_model(TensorModel.from_dataset(dataset), source)
     from flexscale.macro.gap_model import GapModel
 
     return _of_model(GapModel.from_dataset(dataset), source)

@@ -117,7 +117,10 @@ def test_what_does_not_go_together_is_refused() -> None:
         ({"sheet": SHEET}, "`sheet` needs the block `gap_model`"),
         ({"gap_model": {"softened": True}}, "`gap_model` needs the block `sweep`"),
         ({"gap_model": {}, "contact": {"enabled": False}}, "leave contact.enabled true"),
-        ({"gap_model": {}, "sheet": SHEET | {"model": "joints"}}, "'fit' or 'gap_model'"),
+        (
+            {"gap_model": {}, "sheet": SHEET | {"model": "joints"}},
+            "'fit', 'gap_model' or 'tensor_model'",
+        ),
     ):
         with pytest.raises(ConfigError, match=said):
             parse_experiment(PATTERNS | blocks, "file")

@@ -116,6 +116,8 @@ def follow_line(
             for target in _stops(point.curvature, curvature, problem.largest_step):
                 arrival = advance(path, point, target, options, _STEPPING)
                 point, solution = arrival.point, arrival.solution
+                if target < curvature:
+                    _stiffen_if_tight(problem, solution)
                 effort.iterations += arrival.effort.iterations
                 effort.unstable += arrival.effort.unstable
                 if solution.status != SolveStatus.converged:
@@ -190,6 +192,15 @@ def set_barrier(problem: Bendable, sample: Mapping[str, Any] | None) -> None:
         tight = sample["min_gap"] < _TIGHT * problem.contact.activation_distance
         stiffness = sample["barrier_stiffness"] * (_STIFFEN if tight else 1.0)
     _set_stiffness(problem, stiffness)
+
+
+def _stiffen_if_tight(problem: Bendable, solution: Solution) -> None:
+    """The same on the way to a sample, which may be long."""
+    if problem.contact is None or solution.status != SolveStatus.converged:
+        return
+    tight = _TIGHT * problem.contact.activation_distance
+    if problem.contact.smallest_distance(solution.evaluation.world.y, tight) < tight:
+        _set_stiffness(problem, _STIFFEN * problem.contact.stiffness)
 
 
 def passed_through(problem: Bendable, solution: Solution) -> bool:

@@ -8,7 +8,12 @@ import numpy as np
 from numba import njit
 
 from flexscale.arrays import BoolArray, FloatArray, IntArray
-from flexscale.mechanics.prism_kernels import energy_of, free_share_of, nearest
+from flexscale.mechanics.prism_kernels import (
+    energy_of,
+    free_share_of,
+    nearest,
+    squared_on_the_way,
+)
 
 
 class Candidates(NamedTuple):
@@ -61,16 +66,19 @@ def greatest_way(y: FloatArray, before: FloatArray, table: Candidates, k: int) -
 
 @njit(cache=True, error_model="numpy")
 def moved_since(y: FloatArray, table: Candidates, k: int, memory: Memory, most: float) -> float:
-    """By how much pair k moved since its distances were measured; they are anew if by `most`."""
+    """By how much pair k moved since its distances were measured; they are anew if by `most`.
+
+    Places may be those on the straight way between two states, where walls are sheared.
+    """
     way = greatest_way(y, memory.places, table, k)
     if way < most:
         return way
     for r in range(table.row_starts[k], table.row_starts[k + 1]):
         memory.places[r] = y[r]
-    least, x, shares = np.inf, np.empty((4, 3)), np.empty(4)
+    least, x = np.inf, np.empty((4, 3))
     for s in range(table.starts[k], table.starts[k + 1]):
         _rows_of(y, table.stencils[s], x)
-        memory.distances[s] = np.sqrt(nearest(table.is_wall[s], x, shares)[0])
+        memory.distances[s] = np.sqrt(squared_on_the_way(table.is_wall[s], x))
         least = min(least, memory.distances[s])
     memory.least[k] = least
     return 0.0
@@ -129,20 +137,21 @@ def all_free_share(
     table: Candidates,
     memory: Memory,
     most: float,
+    least: float,
     most_steps: int,
 ) -> float:
-    """Smallest free share of all candidates."""
+    """Smallest free share of all candidates; what is farther apart than `least` stays so."""
     share, x0, x1 = 1.0, np.empty((4, 3)), np.empty((4, 3))
     for k in range(len(table.starts) - 1):
         speed = greatest_way(end, start, table, k)
         way = moved_since(start, table, k, memory, most)
-        if memory.least[k] - way > speed:
+        if memory.least[k] - way > speed + least:
             continue
         for s in range(table.starts[k], table.starts[k + 1]):
-            if memory.distances[s] - way > speed:
+            if memory.distances[s] - way > speed + least:
                 continue
             _rows_of(start, table.stencils[s], x0)
             _rows_of(end, table.stencils[s], x1)
             x1 = x0 + share * (x1 - x0)
-            share *= free_share_of(table.is_wall[s], x0, x1, most_steps)
+            share *= free_share_of(table.is_wall[s], x0, x1, least, most_steps)
     return share

@@ -24,6 +24,7 @@ from flexscale.mechanics.prism_kernels import N_WORK, barrier_jet
 
 _BASE, _TOP = 0, 1
 _MEMORY = 50.0  # d_hat, by which scales move until distances are measured anew: as timed
+_LEAST = 1e-3  # d_hat, which scales keep on one way
 N_ROWS = 12  # coordinates of a candidate
 _JET = 1 + N_ROWS  # of first order
 
@@ -221,11 +222,11 @@ class PrismContact(Barrier):
 
     def free_share(self, start: FloatArray, end: FloatArray) -> float:
         """Share of the straight way from y = start to end on which nothing passes through."""
-        done = 0.0
+        done, least = 0.0, _LEAST * self.activation_distance
         for _ in range(SWEEPS):
             here = start + done * (end - start) if done else start
             share = all_free_share(
-                here, end, self.rows.table, self.memory, self.most, MOST_SWEEP_STEPS
+                here, end, self.rows.table, self.memory, self.most, least, MOST_SWEEP_STEPS
             )
             if share >= 1.0:
                 return 1.0

@@ -114,7 +114,7 @@ def test_nothing_passes_through_on_the_free_part_of_a_way() -> None:
         end = x.copy()
         normal = np.cross(x[2] - x[1], x[3] - x[1])
         end[0] -= 2.0 * normal * np.sign(normal @ (x[0] - x[1]))  # to the other side of the plane
-        share = free_share_of(True, x, end, 10_000)
+        share = free_share_of(True, x, end, 0.0, 10_000)
         before = nearest(True, x, np.empty(4))[0]
         along = [nearest(True, x + s * share * (end - x), np.empty(4))[0]
                  for s in np.linspace(0.0, 1.0, 200)]  # fmt: skip
@@ -133,7 +133,7 @@ def test_nothing_passes_through_walls_that_turn() -> None:
         rest = np.array([[0.3, 0.4, near], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
         turned = rest @ Rotation.from_rotvec([0.2, 0.2, 0.0]).as_matrix().T
         turned[0] = [0.3, 0.4, turned[0, 2] - 1.5 * near]
-        share = free_share_of(True, rest, turned, 10_000)
+        share = free_share_of(True, rest, turned, 0.0, 10_000)
 
         def height(s: float, x: np.ndarray = rest, end: np.ndarray = turned) -> float:
             y = x + s * (end - x)
@@ -143,6 +143,21 @@ def test_nothing_passes_through_walls_that_turn() -> None:
         assert height(1.0) < 0.0
         assert min(height(s) for s in np.linspace(0.0, share, 1000)) > 0.0
         assert share > 0.0
+
+
+def test_what_is_apart_keeps_a_least_distance() -> None:
+    """Two rims 18 mm long and almost parallel, as of scales that press, pushed 0.4 mm too far."""
+    least = 4e-6
+    edges = np.array([[0.0, 0, 0], [18, 0, 0], [0, 1e-4, 1e-4], [18, 2e-4, -1e-4]]) + 90.0
+    for _ in range(3):
+        end = edges.copy()
+        end[2:, 1] -= 0.4
+        share = free_share_of(False, edges, end, least, 10_000)
+        assert share < 1.0
+        edges = edges + share * (end - edges)
+        assert squared_on_the_way(False, edges) >= (0.49 * least) ** 2
+    far = edges + np.array([[0.0], [0.0], [1.0], [1.0]])
+    assert free_share_of(False, far, far, least, 10_000) == 1.0
 
 
 def build() -> tuple[PrismContact, np.ndarray]:

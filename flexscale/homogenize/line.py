@@ -28,6 +28,7 @@ from flexscale.status import SolveStatus
 _STEPPING = Stepping(smallest=1.0 / 256.0)
 _EXCESS = 2.0  # reject a start with more than so many times the extrapolated energy
 _TIGHT, _STIFFEN = 0.1, 8.0  # multiply the barrier where gaps fall below this share of d_hat
+_URGENT = 0.01  # share of d_hat below which that cannot wait for the next sample
 
 
 @dataclass
@@ -195,10 +196,10 @@ def set_barrier(problem: Bendable, sample: Mapping[str, Any] | None) -> None:
 
 
 def _stiffen_if_tight(problem: Bendable, solution: Solution) -> None:
-    """The same on the way to a sample, which may be long."""
+    """The same on the way to a sample, which may be long, where gaps come close to rounding."""
     if problem.contact is None or solution.status != SolveStatus.converged:
         return
-    tight = _TIGHT * problem.contact.activation_distance
+    tight = _URGENT * problem.contact.activation_distance
     if problem.contact.smallest_distance(solution.evaluation.world.y, tight) < tight:
         _set_stiffness(problem, _STIFFEN * problem.contact.stiffness)
 

@@ -2,10 +2,10 @@
 
     python benchmarks/laws.py --results DIR [--output FILE] [--patterns NAME …]
 
-Laws are made from the datasets of `workflows/printed.yaml` (sweep, tangent) and
-`workflows/printed_tensors.yaml` (tensor_sweep) in DIR, and judged on rays that none has seen: those
-in the middle between the directions and shapes of the tensor sweep, at 20 curvatures up to its
-last. A law that is added to benchmarks/compared_laws is compared as well.
+Laws are made from shipped sweeps and tangents, and from the tensor sweeps in DIR (`flexscale run
+workflows/printed_tensors.yaml --results DIR`), and judged on rays that none has seen: those in the
+middle between the directions and shapes of the tensor sweep, at 20 curvatures up to its last. A law
+that is added to benchmarks/compared_laws is compared as well.
 
 Errors are those of energies, |W/W0 - 1|, as median / 95 % / worst in %; before and in contact, by
 whether native scales touch. Times are of energy, gradient and Hessian of one state, on one core.
@@ -24,10 +24,10 @@ from compared_laws import ComparedLaw, LawData, all_laws
 from report import heading, report, table
 
 import flexscale as fs
-from flexscale.datasets.registry import Registry
 from flexscale.macro.tensor_samples import TensorSamples, read_tensor_samples
 from flexscale.mechanics.sheet_law import SheetLaw
 
+SHIPPED = Path(__file__).resolve().parents[1] / "results"
 DIRECTIONS = [5.0 + 20.0 * k for k in range(9)]
 SHAPES = [-130.5 + 18.0 * k for k in range(10)]
 #: Degrees of shape between which rays are counted as one kind.
@@ -110,13 +110,14 @@ def main() -> None:
     parser.add_argument("--output", type=Path)
     parser.add_argument("--patterns", nargs="*", default=[p.name for p in fs.named_patterns()])
     given = parser.parse_args()
-    registry, laws = Registry([given.results]), all_laws()
+    shipped, registry = fs.open_registry(SHIPPED), fs.open_registry(given.results)
+    laws = all_laws()
     rows: list[list[str]] = []
     by_kind: dict[str, list[list[np.ndarray]]] = {kind: [[] for _ in laws] for kind in KINDS}
     for name in given.patterns:
         pattern = fs.named_pattern(name)
-        kinds = ("sweep", "tangent", "tensor_sweep")
-        data = LawData(pattern, *(registry.one(kind=k, pattern=name) for k in kinds))
+        rest = (shipped.one(kind=kind, pattern=name) for kind in ("sweep", "tangent"))
+        data = LawData(pattern, *rest, registry.one(kind="tensor_sweep", pattern=name))
         unseen = unseen_rays(pattern, data.tensor_sweep)
         found, errors = compare(laws, data, unseen)
         rows += found

@@ -111,6 +111,7 @@ ALL = (
     Page("synthesis", reads="named_patterns"),
     Page("rigs", reads="named_patterns"),
     Page("gap_models", reads="named_patterns"),
+    Page("laws", reads="printed_tensors"),
     Page("findings"),
     Page("recompute", reads="named_patterns"),
     Page("macro_shell"),

@@ -53,7 +53,7 @@ def test_an_unknown_format_has_a_suggestion(tmp_path: Path) -> None:
     ("given", "said"),
     [
         (sweep(), "kind sweep has neither stiffness nor law to export: fit the sweep first"),
-        (np.eye(3), "cannot be exported: give a dataset of kind fit, gap_model or tangent"),
+        (np.eye(3), "cannot be exported: give a dataset of kind fit, gap_model, tensor_model or"),
         (None, "None .* cannot be exported"),
         ("fit:69208323d680", "cannot be exported"),
     ],

@@ -41,6 +41,8 @@ CONTENT: dict[str, Any] = SQUARE | {
 #: Tensor sweeps and whole sheets of scales, which stand on joints.
 WHOLE: dict[str, Any] = SQUARE | {
     "tensor_sweep": {"shapes": [-45, 0], "curvatures": [0, 0.01]},
+    "gap_model": {},
+    "tensor_model": {},
     "native_sheet": {"curvatures": [0, 0.01], "offset": [1, 2],
                      "outline": [[0, 0], [100, 0], [100, 50], [50, 40], [0, 50]]},
     "native_turned_sheet": {"directions": [0, 45]},
@@ -61,6 +63,8 @@ CALLED = {
     "shape": (f"{HOMOGENIZE}.shape.solve_shapes",),
     "fit": (f"{MACRO}.fit.fit", "flexscale.steps.kinds.fit.dataclasses.replace"),
     "gap_model": (f"{MACRO}.gap_model.gap_model",),
+    "tensor_model": (f"{MACRO}.gap_model.GapModel.from_dataset",
+                     f"{MACRO}.tensor_model.tensor_model"),
     "joint": ("flexscale.joints.library.solved_joint", "flexscale.steps.kinds.joint._arrays",
               f"{HOMOGENIZE}.labels.pattern_scalars",
               "flexscale.datasets.kinds.joint.build_joint_dataset"),
@@ -77,7 +81,7 @@ CALLED = {
                    f"{FINITE}.native_rigs.stage_arrays", f"{FINITE}.native_rigs.rig_dataset"),
 }  # fmt: skip
 #: These compute from datasets, which hold pattern and mesh; their recipes repeat them as labels.
-FROM_DATASETS = ("fit", "sheet", "turned_sheet", "rig")
+FROM_DATASETS = ("fit", "tensor_model", "sheet", "turned_sheet", "rig")
 
 
 @pytest.fixture(scope="module")

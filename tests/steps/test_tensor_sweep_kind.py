@@ -149,8 +149,8 @@ def test_an_experiment_plans_it_on_joints() -> None:
     assert set(jobs) == {"joint", "tensor_sweep"}
     job = jobs["tensor_sweep"]
     assert job.inputs == (jobs["joint"].id,)
-    # Directions of 0, 15 and 30 degree, eleven shapes that have one, and two that have none.
-    assert job.n_samples == (3 * 11 + 2) * 61
+    # Directions of 0, 10, 20 and 30 degree, nineteen shapes that have one, and two that have none.
+    assert job.n_samples == (4 * 19 + 2) * 31
 
 
 @pytest.mark.parametrize(

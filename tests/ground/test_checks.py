@@ -117,10 +117,6 @@ WRONG: dict[str, tuple[Any, dict[str, Any]]] = {
     "native mandrel: angles": (fs.simulate_native_mandrel, {"angles": [0, 360]}),
     "native mandrel: model": (fs.simulate_native_mandrel, {"model": "shell"}),
     "gap model": (fs.gap_model, {"w_biaxial": -1.0}),
-    "tensor model: sweep": (
-        fs.tensor_model,
-        {"sweep": xr.Dataset(), "gaps": "the square's"},
-    ),
     "gap model: sweep": (fs.gap_model, {"sweep": xr.Dataset(), "model": COARSE}),
 }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -79,6 +81,16 @@ def test_values_that_cannot_be_are_refused(
         fs.GapModel.from_dataset(wrong)
     with pytest.raises(SchemaError, match="needs tangent"):
         fs.GapModel.from_dataset(xr.Dataset())
+
+
+def test_gaps_that_close_by_rounding_alone_never_do(model: fs.GapModel) -> None:
+    """As those of rhombi do, opened where their slope changes its sign."""
+    gaps = FlatContact(
+        np.array([0.4, 0.4]), np.array([[-40.0, 0, 0], [0, -1e-13, 0]]), np.diag([2.0, 3.0])
+    )
+    onset = replace(model, contact=gaps).to_dataset()["onset"]
+    assert np.isnan(float(onset.sel(side="closing", direction=90)))
+    fs.gap_model(fs.named_pattern("rhombus")).to_dataset()
 
 
 def test_every_gap_has_its_compliance(dataset: xr.Dataset) -> None:

@@ -17,6 +17,9 @@ from flexscale.datasets.variables import COMPONENTS, DIRECTION, SIDE, SIDE_SIGN,
 from flexscale.errors import SchemaError
 from flexscale.sides import side_sign
 
+#: mm-1: a gap that closes at none below this one closes by rounding alone.
+NEVER = 1e6
+
 
 def _check_gap_model(dataset: xr.Dataset) -> None:
     """Matrices are stiffnesses, gaps are open at rest, softenings and onsets not negative."""
@@ -53,7 +56,12 @@ def _onsets(dataset: xr.Dataset) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         reached = np.where(closing > 0.0, dataset["distances"].values / closing, np.inf)
     first = reached.min(axis=-1, initial=np.inf)
-    return np.where(np.isfinite(first), first, np.nan)
+    return _known(first)
+
+
+def _known(onset: np.ndarray) -> np.ndarray:
+    """Onsets, nan for those that are never reached."""
+    return np.where(onset < NEVER, onset, np.nan)
 
 
 GAP_MODEL = Schema(
@@ -103,7 +111,7 @@ def build_gap_model_dataset(
     scalars: Mapping[str, float | str],
     config: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Dataset of kind gap_model; onsets that are infinite become nan.
+    """Dataset of kind gap_model; onsets that are never reached become nan.
 
     Parameters
     ----------
@@ -115,7 +123,7 @@ def build_gap_model_dataset(
     onset = np.asarray(arrays["onset"], dtype=float)
     values = {
         **arrays,
-        "onset": np.where(np.isfinite(onset), onset, np.nan),
+        "onset": _known(onset),
         "side": list(sides),
         "side_sign": [side_sign(side) for side in sides],
         "direction": np.asarray(directions, dtype=float),
